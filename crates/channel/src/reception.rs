@@ -44,6 +44,14 @@ pub struct Stop {
     pub heading_rad: Option<f64>,
 }
 
+impl Stop {
+    /// A stop of the first robot at the start, with directions in the frame of the stops.
+    #[must_use]
+    pub fn at(position: Position) -> Self {
+        Self { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None }
+    }
+}
+
 /// What was heard of one node at one stop. If a pair of node and stop has no reception, the robot listened and
 /// heard nothing (0 of 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +71,14 @@ pub struct Reception {
     pub rssi_dbm: Option<f64>,
     /// Signal-to-noise ratio of the listener's own best packet, as the node reported it (dB), if nodes report it.
     pub snr_db: Option<f64>,
+}
+
+impl Reception {
+    /// So many packets `received` of those `sent`, of which nothing else is known.
+    #[must_use]
+    pub fn heard(node: NodeId, stop: u32, received: u32, sent: u32) -> Self {
+        Self { node, stop, received, sent, sector: None, rssi_dbm: None, snr_db: None }
+    }
 }
 
 /// A place where a robot met an obstacle.
@@ -421,17 +437,12 @@ mod tests {
     use super::*;
 
     fn heard(node: u32, stop: u32) -> Reception {
-        Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None }
+        Reception::heard(NodeId(node), stop, 1, 1)
     }
 
     #[test]
     fn a_log_until_a_stop_has_what_was_heard_before_it() {
-        let stop = |nanos| Stop {
-            robot: RobotId(0),
-            time: SimTime::from_nanos(nanos),
-            position: Position::ORIGIN,
-            heading_rad: None,
-        };
+        let stop = |nanos| Stop { time: SimTime::from_nanos(nanos), ..Stop::at(Position::ORIGIN) };
         let contact =
             |nanos| Contact { robot: RobotId(0), time: SimTime::from_nanos(nanos), position: Position::ORIGIN };
         let names = || vec!["a".to_owned(), "b".to_owned()];
@@ -447,8 +458,7 @@ mod tests {
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {
-        let stops =
-            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 3];
+        let stops = vec![Stop::at(Position::ORIGIN); 3];
         ReceptionLog::new(vec!["a".into(), "b".into()], stops, receptions, Vec::new())
     }
 
@@ -463,12 +473,7 @@ mod tests {
 
     #[test]
     fn drives_join_the_stops_of_one_robot_only() {
-        let stop = |robot, x_m| Stop {
-            robot: RobotId(robot),
-            time: SimTime::ZERO,
-            position: Position::new(x_m, 0.0, 0.0),
-            heading_rad: None,
-        };
+        let stop = |robot, x_m| Stop { robot: RobotId(robot), ..Stop::at(Position::new(x_m, 0.0, 0.0)) };
         let stops = vec![stop(0, 0.0), stop(1, 100.0), stop(0, 1.0), stop(1, 98.0), stop(0, 4.0)];
         let log = ReceptionLog::new(Vec::new(), stops, Vec::new(), Vec::new()).unwrap();
         let lengths: Vec<(u32, f64)> = log.drives().map(|drive| (drive.robot.0, drive.length_m())).collect();

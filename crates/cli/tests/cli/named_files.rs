@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use sextant_channel::{Position, Reception, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_kernel::NodeId;
 use sextant_recording::{FILES_ATTACHMENTS, read_log};
 use tempfile::TempDir;
 
@@ -137,7 +137,7 @@ fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
         .expect("a test with room on the disk");
     recorder.scenario(&text).expect("a test with room on the disk");
     recorder.nodes(&["a".to_owned()]).expect("a test with room on the disk");
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+    let stop = Stop::at(Position::ORIGIN);
     let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
     let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
     recorder.stop(None, "r", 0, &stop, &[heard]).expect("a test with room on the disk");

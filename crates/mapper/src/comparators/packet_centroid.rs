@@ -132,27 +132,13 @@ impl EstimatorSettings for PacketCentroidConfig {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
 
     #[test]
     fn weights_are_powers_of_the_shares_received() {
-        let stop = |x_m| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(x_m, 0.0, 0.0),
-            heading_rad: None,
-        };
-        let heard = |stop, received| Reception {
-            node: NodeId(0),
-            stop,
-            received,
-            sent: 8,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        };
+        let stop = |x_m| Stop::at(Position::new(x_m, 0.0, 0.0));
+        let heard = |stop, received| Reception::heard(NodeId(0), stop, received, 8);
         let names = vec!["heard".to_owned(), "unheard".to_owned()];
         let log =
             ReceptionLog::new(names, vec![stop(0.0), stop(9.0), stop(50.0)], vec![heard(0, 8), heard(1, 4)], vec![]);

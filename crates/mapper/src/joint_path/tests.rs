@@ -44,10 +44,8 @@ fn place([x_m, y_m]: [f64; 2]) -> Position {
 /// Stops on the believed path, with the ranges or the packets of the true one.
 fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
     let stop = |(step, (_, believed)): (usize, &([f64; 2], [f64; 2]))| Stop {
-        robot: RobotId(0),
         time: time(step),
-        position: place(*believed),
-        heading_rad: None,
+        ..Stop::at(place(*believed))
     };
     let stops = drive.iter().enumerate().map(stop).collect();
     let nodes: Vec<Position> = if has_ranges {
@@ -77,15 +75,9 @@ fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
         let share = 0.95 / (1.0 + libm::exp((distance_m(node, step) - 3.0) / 0.3));
         Seed(3).uniform(Purpose::new(8), [node as u64, step as u64, 0]) < share
     };
-    let heard = pairs().filter(is_heard).map(|(node, step)| Reception {
-        node: NodeId::from_index(node),
-        stop: u32::try_from(step).unwrap(),
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: None,
-        snr_db: None,
-    });
+    let heard = pairs()
+        .filter(is_heard)
+        .map(|(node, step)| Reception::heard(NodeId::from_index(node), u32::try_from(step).unwrap(), 1, 1));
     ReceptionLog::new(names, stops, heard.collect(), Vec::new()).unwrap()
 }
 

@@ -142,7 +142,7 @@ mod tests {
                 range_m: 5.0,
             };
             let samples = corners.iter().enumerate().map(sample).collect();
-            let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+            let stop = Stop::at(Position::ORIGIN);
             let log = ReceptionLog::new(vec!["a".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
             let log = log.with_ranges(samples).unwrap();
             let model = TrueRanges {

@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn ranges_of_one_place_and_of_half_a_metre_of_path_are_one_group() {
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let stop = Stop::at(Position::ORIGIN);
         let log = ReceptionLog::new(vec!["a".into(), "b".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
         let driving = [0.0, 0.3, 0.5, 0.9, 1.0].map(|x_m| sample(1, x_m, 1.0, 5.0 + x_m));
         let standing =

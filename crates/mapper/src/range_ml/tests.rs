@@ -49,7 +49,7 @@ fn log(nodes: &[Position], corners: &[Position], errors: Errors) -> ReceptionLog
         }
         time_s += length_m;
     }
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: corners[0], heading_rad: None };
+    let stop = Stop::at(corners[0]);
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, vec![stop], Vec::new(), Vec::new()).unwrap().with_ranges(samples).unwrap()
 }
@@ -193,7 +193,7 @@ fn at_stops(seed: u64, stops: &[Position], place: Position, bias_m: f64, noise_m
             + bias_m
             + noise_m * Seed(seed).normal(Purpose::new(8), [number as u64, 0, 0]),
     };
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: stops[0], heading_rad: None };
+    let stop = Stop::at(stops[0]);
     let log = ReceptionLog::new(vec!["n0".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
     log.with_ranges(stops.iter().enumerate().map(sample).collect()).unwrap()
 }

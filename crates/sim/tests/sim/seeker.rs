@@ -95,13 +95,8 @@ impl Seeker {
         let heard = std::mem::take(&mut self.heard);
         let mean = |(&node, &(sum_dbm, frames)): (&u16, &(f64, u32))| (node, Dbm(sum_dbm / f64::from(frames)));
         let receptions = heard.iter().map(|(&node, &(sum_dbm, frames))| Reception {
-            node: NodeId(node.into()),
-            stop: 0,
-            received: frames,
-            sent: frames,
-            sector: None,
             rssi_dbm: Some(sum_dbm / f64::from(frames)),
-            snr_db: None,
+            ..Reception::heard(NodeId(node.into()), 0, frames, frames)
         });
         port.log_stop(NetworkId(0), self.listening_since, port.pose().position, receptions.collect::<Vec<_>>());
         let strongest = heard.iter().map(mean).max_by(|a, b| a.1.0.total_cmp(&b.1.0));

@@ -70,8 +70,7 @@ fn files_with_byte_order_mark_crlf_and_another_order_of_columns_are_read() {
     assert_eq!(log.names(), ["a, \"b\"", "\u{e9}"]);
     assert_eq!(log.stops()[0].position, Position::new(1.0, 2.0, 0.0));
     assert_eq!(log.stops()[1].time, SimTime::from_nanos(1_000_000_000));
-    let heard =
-        Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
+    let heard = Reception::heard(NodeId(0), 1, 1, 1);
     assert_eq!(log.of(NodeId(0)), [heard]);
 }
 

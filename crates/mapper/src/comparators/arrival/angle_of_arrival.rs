@@ -128,7 +128,6 @@ impl EstimatorSettings for AngleOfArrivalConfig {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{EvenSectorsConfig, Position, SectorConfig, SectorTable, Stop};
-    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
     use crate::algorithm::AlgorithmConfig;
@@ -138,10 +137,8 @@ mod tests {
         let layout =
             EvenSectorsConfig { azimuth_sectors: 16, first_azimuth_deg: 0.0, elevations_deg: vec![[-90.0, 90.0]] };
         let stop = |i: u32| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(f64::from(2 * (i % 10)), f64::from(2 * (i / 10)), 0.5),
             heading_rad: turn_rad.map(|turn_rad| turn_rad * f64::from(i)),
+            ..Stop::at(Position::new(f64::from(2 * (i % 10)), f64::from(2 * (i / 10)), 0.5))
         };
         let stops: Vec<Stop> = (0..100).map(stop).collect();
         let table = SectorTable::try_from(layout).unwrap();
@@ -156,13 +153,8 @@ mod tests {
                 let turn_rad = at.heading_rad.unwrap_or(0.0);
                 let sector = table.iter().find(|sector| has(sector, place - at.position, turn_rad));
                 receptions.push(Reception {
-                    node: NodeId::from_index(node),
-                    stop,
-                    received: 1,
-                    sent: 1,
                     sector: sector.map(|sector| sector.sector),
-                    rssi_dbm: None,
-                    snr_db: None,
+                    ..Reception::heard(NodeId::from_index(node), stop, 1, 1)
                 });
             }
         }

@@ -129,7 +129,7 @@ mod tests {
             velocity: Position::ORIGIN,
             range_m: position(i).distance_m(node) + longer_m,
         };
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: position(0), heading_rad: None };
+        let stop = Stop::at(position(0));
         let log = ReceptionLog::new(vec!["n0".into(), "unheard".into()], vec![stop], vec![], vec![]).unwrap();
         log.with_ranges((0..30).map(sample).collect()).unwrap()
     }

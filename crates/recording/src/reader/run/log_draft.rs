@@ -175,10 +175,8 @@ mod tests {
     /// 40 stops, at each of which each of three nodes was heard; two of them report both sectors.
     fn log() -> ReceptionLog {
         let stop = |i: u32| Stop {
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
-            position: Position::new(f64::from(i), 0.0, 0.0),
-            heading_rad: None,
+            ..Stop::at(Position::new(f64::from(i), 0.0, 0.0))
         };
         let heard = |i: u32| Reception {
             node: NodeId(i % 3),
