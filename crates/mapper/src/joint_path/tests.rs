@@ -1,5 +1,5 @@
-use sextant_channel::{Mounting, Position, RangeSample, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_channel::{Position, RangeSample, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime, Unwatched};
 
 use super::*;
 
@@ -60,13 +60,12 @@ fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
     let distance_m = |node: usize, step: usize| place(drive[step].0).distance_m(nodes[node]);
     if has_ranges {
         let samples = pairs().map(|(node, step)| RangeSample {
-            mounting: Mounting::default(),
-            node: NodeId::from_index(node),
-            robot: RobotId(0),
             time: time(step),
-            position: place(drive[step].1),
-            velocity: Position::ORIGIN,
-            range_m: distance_m(node, step) + 0.3 + 0.1 * normal([node as u64, step as u64]),
+            ..RangeSample::of(
+                NodeId::from_index(node),
+                place(drive[step].1),
+                distance_m(node, step) + 0.3 + 0.1 * normal([node as u64, step as u64]),
+            )
         });
         let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).unwrap();
         return log.with_ranges(samples.collect()).unwrap();

@@ -138,22 +138,13 @@ fn runs(samples: &[RangeSample]) -> impl Iterator<Item = &[RangeSample]> {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::Stop;
 
     use super::*;
 
     fn sample(node: u32, x_m: f64, speed: f64, range_m: f64) -> RangeSample {
         let (position, velocity) = (Position::new(x_m, 0.0, 0.0), Position::new(speed, 0.0, 0.0));
-        RangeSample {
-            node: NodeId(node),
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position,
-            mounting: Mounting::default(),
-            velocity,
-            range_m,
-        }
+        RangeSample { velocity, ..RangeSample::of(NodeId(node), position, range_m) }
     }
 
     #[test]

@@ -98,8 +98,7 @@ pub(super) fn of_map(
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, Position, RangeSample, Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::{Position, RangeSample, Reception, Stop};
 
     use super::*;
 
@@ -124,15 +123,7 @@ mod tests {
         let stop = Stop::at(Position::ORIGIN);
         let (sector, rssi_dbm, snr_db) = (None, None, None);
         let heard = Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector, rssi_dbm, snr_db };
-        let sample = RangeSample {
-            node: NodeId(node),
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::ORIGIN,
-            mounting: Mounting::default(),
-            velocity: Position::ORIGIN,
-            range_m: 4.0,
-        };
+        let sample = RangeSample::of(NodeId(node), Position::ORIGIN, 4.0);
         let names = ["a", "b"].map(str::to_owned).to_vec();
         let log = ReceptionLog::new(names, vec![stop], vec![heard], Vec::new()).unwrap();
         log.with_ranges(vec![sample]).unwrap()

@@ -64,14 +64,7 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
 
 /// The places that the nodes believe in.
 fn topology_map(map: &NodeMapJob, nodes: &[MappingRecord]) -> TopologyMap {
-    let told = |position| Estimate {
-        position,
-        log_likelihood: None,
-        ties: 1,
-        covariance: None,
-        infeasible: false,
-        concern: None,
-    };
+    let told = |position| Estimate::of_place(position);
     let estimate = |node: &MappingRecord| node.estimate.clone().or_else(|| node.place.map(told));
     TopologyMap {
         algorithm: map.algorithm,

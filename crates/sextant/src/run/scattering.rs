@@ -62,14 +62,7 @@ mod tests {
     use sextant_mapper::Estimate;
 
     fn record(place: Option<Position>, is_computed: bool) -> MappingRecord {
-        let estimate = |position| Estimate {
-            position,
-            log_likelihood: None,
-            ties: 1,
-            covariance: None,
-            infeasible: false,
-            concern: None,
-        };
+        let estimate = |position| Estimate::of_place(position);
         MappingRecord { place, estimate: place.filter(|_| is_computed).map(estimate), ..MappingRecord::default() }
     }
 

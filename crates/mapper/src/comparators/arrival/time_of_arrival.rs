@@ -108,8 +108,8 @@ by_ranges!(
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, RangeSample, ReceptionLog, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::{RangeSample, ReceptionLog, Stop};
+    use sextant_kernel::SimTime;
 
     use super::*;
 
@@ -121,13 +121,8 @@ mod tests {
             Position::new(x_m, y_m, 0.4 + up_m * f64::from(i % 3))
         };
         let sample = |i: u32| RangeSample {
-            mounting: Mounting::default(),
-            node: NodeId(0),
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i)),
-            position: position(i),
-            velocity: Position::ORIGIN,
-            range_m: position(i).distance_m(node) + longer_m,
+            ..RangeSample::of(NodeId(0), position(i), position(i).distance_m(node) + longer_m)
         };
         let stop = Stop::at(position(0));
         let log = ReceptionLog::new(vec!["n0".into(), "unheard".into()], vec![stop], vec![], vec![]).unwrap();
