@@ -62,8 +62,11 @@ mod tests {
     use sextant_mapper::Estimate;
 
     fn record(place: Option<Position>, is_computed: bool) -> MappingRecord {
-        let estimate = |position| Estimate::of_place(position);
-        MappingRecord { place, estimate: place.filter(|_| is_computed).map(estimate), ..MappingRecord::default() }
+        MappingRecord {
+            place,
+            estimate: place.filter(|_| is_computed).map(Estimate::of_place),
+            ..MappingRecord::default()
+        }
     }
 
     #[test]
