@@ -10,7 +10,7 @@ use sextant_channel::{
 use sextant_kernel::{Files, SimTime};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, Faults, FrameOutcome,
+    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, FrameOutcome,
     Listening, Mac, Network, NetworkId, Observer, Payload, PeriodicConfig, Port, Pose, Robot, RobotBody,
     RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig, TrafficPlan, Unobserved,
 };
@@ -179,13 +179,7 @@ impl Scene {
 
     fn run(self, observer: &mut impl Observer) -> (Driver, Ended<Station>) {
         let (places, mut applications): (Vec<_>, Vec<_>) = self.nodes.into_iter().unzip();
-        let traffic = TrafficConfig::Beacon(PeriodicConfig {
-            mpdu_octets: 20,
-            interval_s: 1.0,
-            jitter: 0.0,
-            acknowledged: false,
-            to: None,
-        });
+        let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 1.0, 0.0));
         let mut setup = network::setup(&places, 0.0, hard_range(), traffic, 3);
         setup.world.obstacles = self.obstacles;
         applications.push(Station::Robot(self.driver));
@@ -193,14 +187,9 @@ impl Scene {
         let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
         network::ieee802154(&mut link).mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
         let setup = Setup {
-            world: setup.world,
             robots: network::own_robots([self.robot]),
-            sinks: Vec::new(),
-            networks: vec![Network { traffic: TrafficPlan::silent(places.len()), ..link }],
             duration: Some(self.end),
-            faults: Faults::default(),
-            batteries: None,
-            seed: setup.seed,
+            ..Setup::of(setup.world, Network { traffic: TrafficPlan::silent(places.len()), ..link }, setup.seed)
         };
         let ended = network::run_watched(setup, applications, observer);
         let driver = match ended.applications.last() {
@@ -462,13 +451,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
         listening: Listening::AlsoWhileDriving,
         ..network::surveyor_body()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.1,
-        jitter: 0.0,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.1, 0.0));
     let mut setup: Setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.world.obstacles = field(vec![wall()]);
     setup.robots = vec![Robot { body, task: RobotTask::Survey(Box::new(Bend(0))) }];
@@ -501,13 +484,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
 
 #[test]
 fn a_drive_shorter_than_a_slot_is_driven_without_listening() {
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.1,
-        jitter: 0.0,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.1, 0.0));
     let places = vec![Position::new(1.5, 0.0, 0.0), Position::new(5.5, 0.0, 0.0)];
     let mut robot = network::tour(places, 0.25, Duration::from_secs(2));
     robot.body.listening = Listening::AlsoWhileDriving;

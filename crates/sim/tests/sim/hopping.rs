@@ -27,13 +27,7 @@ fn received(listen: Duration) -> Received {
     let places: Vec<_> = (0..PLACES).map(|i| Position::new((i % 8) as f64, (i / 8) as f64, 0.0)).collect();
     let nodes: Vec<_> =
         (0..200).map(|i| Position::new(f64::from(i % 20) * 0.5, f64::from(i / 20) * 0.7, 0.1)).collect();
-    let traffic = TrafficConfig::Periodic(PeriodicConfig {
-        mpdu_octets: 60,
-        interval_s: 0.5,
-        jitter: 0.5,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Periodic(PeriodicConfig::each(60, 0.5, 0.5));
     // Without shadowing, a robot and a sink at its place have the same power.
     let shadowing = ShadowingConfig { sigma_db: Some(0.0), correlation: CorrelationConfig::PerPacket };
     let channel = ChannelConfig { shadowing: Some(shadowing), max_range_m: Some(4.0), ..ChannelConfig::default() };

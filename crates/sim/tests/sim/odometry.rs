@@ -43,13 +43,7 @@ fn setup(robot: Robot, odometry: OdometryConfig, seed: u64) -> Setup {
         max_range_m: Some(5.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let odometry = Odometry::try_from(odometry).expect("good settings");
     let robot = Robot { body: RobotBody { odometry, ..robot.body }, ..robot };
     Setup { robots: vec![robot], ..network::setup(&places, -30.0, channel, traffic, seed) }

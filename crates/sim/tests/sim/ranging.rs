@@ -30,13 +30,7 @@ fn setup(device: RangingDeviceConfig, listening: Listening) -> Setup {
         max_range_m: Some(5.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let corners = [[4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]].map(Position::from);
     let robot = network::tour([corners, corners].concat(), 0.25, Duration::from_secs(1));
     let robot = Robot { body: RobotBody { listening, ..robot.body }, ..robot };

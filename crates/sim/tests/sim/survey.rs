@@ -25,13 +25,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         max_range_m: Some(10.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let setup = network::setup(places, -50.0, channel, traffic, seed);
     let setup =
         network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
