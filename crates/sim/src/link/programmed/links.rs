@@ -18,7 +18,7 @@ use crate::air::{Arrival, ReceiverId, Sense};
 use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
 use crate::link::books::{Books, FrameSpans, RadioUse};
-use crate::link::ieee802154::{first_sequence, pan};
+use crate::link::ieee802154::{first_sequence, header, pan};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
@@ -93,10 +93,7 @@ impl Links {
 
     /// The header of the frames of a station.
     pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
+        header(self.pan, station, to)
     }
 
     /// Commands the radio of a station, or tells it of an event, and brings the air in line with what it does then.

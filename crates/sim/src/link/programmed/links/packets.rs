@@ -26,10 +26,7 @@ impl Links {
         self.check_destination(station, to)?;
         let header = self.header(station, to);
         let mpdu_octets = Self::mpdu_octets(&header, payload_octets)?;
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        self.ledger.packets[station.index()].offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        self.ledger.offer(station, mpdu_octets, scene);
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.packets);
         stack.packets = stack.packets.wrapping_add(1);

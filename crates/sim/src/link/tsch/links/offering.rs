@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::frame::DataFrame;
 
 use super::Links;
-use crate::link::ieee802154::offered_octets;
+use crate::link::ieee802154::{header, offered_octets};
 use crate::link::payloads::Content;
 use crate::link::track::PacketTrack;
 use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
@@ -17,10 +17,7 @@ use crate::service::upcall::Upcall;
 impl Links {
     /// The sizes of the data frames of a station, which are those of earlier revisions.
     pub(super) fn sizes(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
+        header(self.pan, station, to)
     }
 
     /// Takes a frame to send.
@@ -34,17 +31,10 @@ impl Links {
         if matches!(self.stacks[station.index()].membership, Membership::Out) {
             return Err(SendError::ReceivesOnly);
         }
-        if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
-        {
-            return Err(SendError::NoSuchStation(to));
-        }
+        self.ledger.can_reach(station, to)?;
         let sizes = self.sizes(station, to);
         let mpdu_octets = offered_octets(&sizes, payload)?;
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        self.ledger.packets[station.index()].offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        self.ledger.offer(station, mpdu_octets, scene);
         let content = self.payloads.keep(payload);
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.frames);
