@@ -1,7 +1,5 @@
 //! Antennas with equal sectors in rings.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::pattern::{Aim, Beam, Ieee802153cConfig, Pattern, SectorEdge};
@@ -11,7 +9,7 @@ use crate::antenna::sector::{EvenSectorsConfig, SectorDirections};
 /// An antenna with sectors of equal width in azimuth, in one or more rings, as written in a scenario. Sector `i` of
 /// ring `j` is number `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AntennaSectorsConfig {
     /// Number of sectors in a ring, 1 to 64.
@@ -56,7 +54,7 @@ fn one_ring() -> Vec<f64> {
 
 /// How an antenna covers several rings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Vertical {
     /// Each ring is a separate antenna (vertical antenna array); one sweep covers all, at most 128 sectors.

@@ -1,12 +1,9 @@
 //! Fading as written in a scenario.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// Fading as written in a scenario: many ways of a signal add up or cancel, from place to place, from channel to channel
 /// and, if something moves around the links, from time to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FadingConfig {
     /// How deep the fades are.
@@ -28,7 +25,7 @@ pub struct FadingConfig {
 
 /// How deep fades are, as written in a scenario. The mean power is that without fading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum FadingLawConfig {
     /// Scattered ways alone: the amplitude has the law of Rayleigh.
@@ -42,7 +39,7 @@ pub enum FadingLawConfig {
 
 /// Rician fading as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RicianConfig {
     /// Power of the direct way over that of all others (dB), -20 to 25: 10 or less between sensor nodes in an office.
@@ -51,7 +48,7 @@ pub struct RicianConfig {
 
 /// Nakagami fading as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NakagamiConfig {
     /// The parameter m, a multiple of 0.5 from 0.5 to 20: 1 is Rayleigh, less is worse.

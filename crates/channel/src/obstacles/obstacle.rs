@@ -1,8 +1,6 @@
 //! One obstacle: a shape made of a material.
 use std::path::PathBuf;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use crate::geometry::position::Position;
@@ -13,7 +11,7 @@ use crate::propagation::material::Material;
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ObstacleConfig {
     /// Name in messages and pictures.

@@ -1,7 +1,5 @@
 //! Reflections and edges as a setting, and the rays of a link.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::geometry::position::Position;
@@ -11,7 +9,7 @@ use crate::propagation::path_loss::LIGHT_M_PER_S;
 
 /// Reflections as written in a scenario: off the flat faces of boxes, prisms, convex hulls and meshes that are solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReflectionsConfig {
     /// Loss of a reflection (dB), off obstacles without `reflection_loss_db`. If absent, the angle, the polarisation and the
@@ -81,7 +79,7 @@ fn is_vertical(polarisation: &Polarisation) -> bool {
 
 /// Direction of the electric field of a wave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Polarisation {
     /// In the vertical plane of the ray.

@@ -3,8 +3,6 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
 use crate::geometry::position::Position;
@@ -13,7 +11,7 @@ use crate::purpose;
 
 /// Shadowing as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShadowingConfig {
     /// Standard deviation (dB); 0 for no shadowing. May be absent if the channel names an environment.
@@ -26,7 +24,7 @@ pub struct ShadowingConfig {
 
 /// Which packets and links share one draw of shadowing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum CorrelationConfig {
     /// A separate draw for each packet and pair of stations (thesis, chapter 3).
@@ -40,7 +38,7 @@ pub enum CorrelationConfig {
 
 /// Spatial correlation as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SpatialConfig {
     /// Distance over which the correlation falls to 1/e (m).

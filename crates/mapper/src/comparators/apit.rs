@@ -1,7 +1,5 @@
 //! APIT (He et al. 2003): finds the triangles of anchors that hold a node, by comparison with its neighbours.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -18,7 +16,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ApitConfig {
     /// Distance between neighbouring grid points (m).

@@ -1,7 +1,5 @@
 //! Centroids of the anchors that a node heard (Bulusu, Heidemann and Estrin 2000), plain and weighted.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
@@ -16,7 +14,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The centroid as written in a scenario: it has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CentroidConfig {}
 
@@ -52,7 +50,7 @@ impl Comparator for Centroid {
 
 /// The weighted centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WeightedCentroidConfig {
     /// How signal strengths become distances.

@@ -1,7 +1,5 @@
 //! DR-MDS (Peng and Li 2014), reconstructed: scaling of distances that are straight over two hops.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Watch};
 
 use super::frame::FrameConfig;
@@ -20,7 +18,7 @@ use crate::topology_map::TopologyMap;
 
 /// DR-MDS as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DrMdsConfig {
     /// How signal strengths between neighbours become distances.

@@ -1,7 +1,5 @@
 //! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
 use sextant_kernel::{SettingError, Watch};
 
@@ -17,7 +15,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DvHopConfig {
     /// How an anchor computes the length of a hop.
@@ -28,7 +26,7 @@ pub struct DvHopConfig {
 
 /// How an anchor computes the length of a hop from its distances and hops to the other anchors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum HopLength {
     /// Sum of the distances divided by the sum of the hops.

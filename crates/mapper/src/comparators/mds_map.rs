@@ -1,8 +1,6 @@
 //! MDS-MAP (Shang et al. 2003): classical scaling of hop counts between all pairs of nodes.
 
 use nalgebra::DMatrix;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
@@ -19,7 +17,7 @@ use crate::topology_map::TopologyMap;
 
 /// MDS-MAP as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MdsMapConfig {
     /// What the map is aligned to.

@@ -1,7 +1,5 @@
 //! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{SettingError, Watch};
 
@@ -19,7 +17,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NtldvHopConfig {
     /// How an anchor computes the length of a hop.

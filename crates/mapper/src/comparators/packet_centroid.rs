@@ -1,7 +1,5 @@
 //! Centroids of the stops that heard a node, weighted by the packets that they received.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -16,7 +14,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PacketCentroidConfig {
     /// Each stop weighs the share of the packets that it received to this power: above 0, at most 100.

@@ -1,8 +1,6 @@
 //! Cooperative maximum likelihood on signal strengths (Patwari et al. 2003): all places at once.
 
 use nalgebra::{Matrix3, Vector3};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
@@ -17,7 +15,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RssMlConfig {
     /// How power falls with distance.

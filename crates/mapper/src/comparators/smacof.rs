@@ -1,8 +1,6 @@
 //! SMACOF (de Leeuw 1977): stress majorisation of ranges between neighbours.
 
 use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::maths::cholesky_watched;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
@@ -20,7 +18,7 @@ use crate::topology_map::TopologyMap;
 
 /// SMACOF as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SmacofConfig {
     /// How signal strengths between neighbours become distances.

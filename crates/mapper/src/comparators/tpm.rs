@@ -2,8 +2,6 @@
 //! few of them.
 
 use nalgebra::DMatrix;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
@@ -21,7 +19,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TpmConfig {
     /// The nodes from which hops are counted.
@@ -39,7 +37,7 @@ pub struct TpmConfig {
 
 /// The hop counts from which the axes of a map are computed, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum AxesConfig {
     /// Those of all nodes.

@@ -1,8 +1,6 @@
 //! RSSI triangle centroid: circles round the strongest anchors, three by three. Reconstructed from descriptions in
 //! later work. How the original smoothed signal strengths is not known.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
@@ -19,7 +17,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TriangleCentroidConfig {
     /// How signal strengths become distances.
@@ -34,7 +32,7 @@ pub struct TriangleCentroidConfig {
 
 /// How the triangles of a node are averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TriangleWeights {
     /// All triangles have the same weight.

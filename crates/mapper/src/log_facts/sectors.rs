@@ -1,13 +1,11 @@
 //! How the antenna sector in which a node was heard is used.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
 use sextant_kernel::SettingError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SectorsConfig {
     /// How far outside the sector of a reception a vertex may lie.
@@ -27,7 +25,7 @@ pub struct SectorsConfig {
 
 /// How likely a node names a sector, given the direction to it.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SectorModel {
     /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
@@ -55,7 +53,7 @@ pub(crate) enum GainUse {
 /// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
 /// elliptical: its half-power widths are those of the sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SoftSectorsConfig {
     /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
@@ -73,7 +71,7 @@ impl Default for SoftSectorsConfig {
 
 /// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SilenceRule {
     /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
@@ -87,7 +85,7 @@ pub enum SilenceRule {
 /// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
 /// vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
@@ -105,7 +103,11 @@ pub enum SectorTolerance {
 
 /// The sectors of a listener as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case", deny_unknown_fields))]
+#[cfg_attr(
+    feature = "config",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SectorLayoutConfig {
     /// Sectors of equal width all round.

@@ -1,11 +1,8 @@
 //! How a place is estimated from the likelihood of a node.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// How the place is estimated from the likelihood of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum EstimateKind {
     /// The vertex of highest likelihood.
@@ -17,7 +14,7 @@ pub enum EstimateKind {
 
 /// Which place represents several vertices that share the highest likelihood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum TieRule {
     /// Their mean, if the vertex nearest to the mean is one of them. Otherwise they lie in separate places, and the

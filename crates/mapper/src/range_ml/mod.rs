@@ -12,8 +12,6 @@ mod solution;
 mod spread;
 mod unit;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
@@ -37,7 +35,7 @@ const USUAL_BIAS_M: f64 = 1.0;
 
 /// Maximum likelihood on ranges as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RangeMlConfig {
     /// Which biases of ranges are estimated.
@@ -55,7 +53,7 @@ pub struct RangeMlConfig {
 
 /// Which biases of ranges are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum NodeBias {
     /// None: ranges are right on average.

@@ -11,8 +11,6 @@ mod wedges;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::SECTORS_OF_ANTENNA;
@@ -24,7 +22,7 @@ pub use unit::look_like_factors;
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CodeBookConfig {
     /// A CSV file with the columns `sector`, `azimuth_deg`, `elevation_deg` and `gain_dbi`, in any order: a row for
@@ -74,7 +72,7 @@ pub struct CodeBookConfig {
 
 /// Measured gains of one sector, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SectorGainsConfig {
     /// Identity of the sector on air, 0 to 63.

@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
@@ -22,7 +20,7 @@ use crate::geometry::tree::Tree;
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
 /// they count once.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MeshConfig {
     /// A Wavefront .obj file in metres, z up. If the obstacle has no material, its faces are those of one obstacle for each

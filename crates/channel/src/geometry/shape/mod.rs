@@ -17,8 +17,6 @@ mod triangle;
 
 use std::path::Path;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 pub use cuboid::BoxConfig;
@@ -46,7 +44,7 @@ pub(crate) use sweep::Sweep;
 /// The shape of an obstacle as written in a scenario. What is level with its floor is in it, and what is level with its
 /// roof, or on one of its sides, is not: a wall that stands on the ground (from z = 0 up) blocks stations on the ground.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ShapeConfig {
     /// An upright box.

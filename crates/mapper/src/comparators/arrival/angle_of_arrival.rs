@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Reception, ReceptionLog, Wedge};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -18,7 +16,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Angulation as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AngleOfArrivalConfig {}
 

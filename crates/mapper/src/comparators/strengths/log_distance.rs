@@ -5,8 +5,6 @@ use std::convert::Infallible;
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::maths::ln_each;
 use sextant_kernel::{SettingError, Watch, Work};
@@ -29,7 +27,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LogDistanceConfig {
     /// Lowest and highest path-loss exponent of a node: above 0, at most 10.

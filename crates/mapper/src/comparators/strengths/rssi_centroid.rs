@@ -1,7 +1,5 @@
 //! Centroids of the stops that received a node, weighted by signal strength.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
@@ -15,7 +13,7 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The RSSI centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(deny_unknown_fields, default))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RssiCentroidConfig {
     /// Each stop weighs the power that it received, in milliwatts, to this power g: above 0, at most 100. With a path-loss
