@@ -1,7 +1,5 @@
 //! Maps that nodes compute themselves, from a scenario to the summary, the recording, the figures and a sweep.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
-
 use serde_json::Value;
 use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;

@@ -65,7 +65,7 @@ pub struct PeriodicConfig {
 impl PeriodicConfig {
     /// Frames to all of this length (octets), with this mean time between two (s) and this jitter.
     #[must_use]
-    pub fn each(mpdu_octets: u8, interval_s: f64, jitter: f64) -> Self {
+    pub const fn each(mpdu_octets: u8, interval_s: f64, jitter: f64) -> Self {
         Self { mpdu_octets, interval_s, jitter, acknowledged: false, to: None }
     }
 }
