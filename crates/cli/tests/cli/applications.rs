@@ -12,7 +12,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{inspect, read_run, read_world};
 use tempfile::TempDir;
 
-use crate::program::{run_text, sextant};
+use crate::program::{Said, run_text, sextant};
 
 /// 36 nodes a metre and a half apart, which always listen.
 const NODES: &str = r#"
@@ -248,8 +248,7 @@ fn a_robot_surveys_then_uses_its_map_from_where_the_survey_ended() {
     let scenario = [NODES, FIELD, "\n", AGENT, "[[applications]]", &from_file].concat();
     std::fs::write(folder.path().join("b.toml"), scenario).unwrap();
     let arguments = ["run", "b.toml", "--out", "b.mcap", "--summary", "b.json", "--quiet"];
-    let output = sextant().current_dir(folder.path()).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().current_dir(folder.path()).args(arguments).output().unwrap().printed();
     let of_file = crate::program::summary(&folder.path().join("b.json"))["applications"][0].clone();
     assert_eq!(of_file["map"], "heard.csv");
     assert!((number(&of_file["map_error_m"]) - map_error_m).abs() < 1e-9, "{of_file}");

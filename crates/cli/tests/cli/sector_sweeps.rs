@@ -10,7 +10,7 @@ use sextant_recording::{inspect, read_log, recover};
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{run_text, sextant, summary};
+use crate::program::{Said, run_text, sextant, summary};
 
 const WORLD: &str = r#"
 name = "sweeps"
@@ -184,8 +184,7 @@ fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recordi
 #[test]
 fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
     let (folder, _) = run_text(&two(), &[]);
-    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap().printed();
     let svg = |name: &str| std::fs::read_to_string(folder.path().join("run.figures").join(name)).unwrap();
     let sectors = svg("sectors.svg");
     assert!(sectors.contains("sectors at a stop") && sectors.contains("of rover"), "a title and a note");

@@ -337,9 +337,7 @@ fn a_sweep_of_the_load_is_drawn_with_its_intervals() {
     let table = folder.path("star.csv");
     let swept = sextant().arg("sweep").arg(folder.path("star.toml")).arg("--out").arg(&table).arg("--quiet").output();
     assert!(swept.expect("the program starts").status.success());
-    let drawn = sextant().arg("figure").arg(&table).output().expect("the program starts");
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
-    let listed = String::from_utf8(drawn.stdout).expect("text");
+    let listed = sextant().arg("figure").arg(&table).output().expect("the program starts").printed();
     for measure in ["mac-prr", "mac-delay_s-mean", "mac-throughput_bit_per_s"] {
         let file = folder.path(&format!("star.figures/star-{measure}.svg"));
         assert!(listed.contains(&*file.to_string_lossy()), "{listed}");
@@ -354,8 +352,7 @@ fn a_sweep_of_the_load_is_drawn_with_its_intervals() {
 fn a_network_with_sinks_is_drawn_from_its_recording() {
     let folder = Folder::new("[traffic.saturated]\n");
     folder.summary(&["duration_s=1.0"]);
-    let drawn = sextant().arg("figure").arg(folder.path("star.mcap")).output().expect("the program starts");
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    sextant().arg("figure").arg(folder.path("star.mcap")).output().expect("the program starts").printed();
     let svg = fs::read_to_string(folder.path("star.figures/network.svg")).expect("a figure");
     assert!(svg.contains("1 sink") && !svg.contains("stop"), "{svg}");
 }

@@ -5,7 +5,7 @@ use std::fs;
 use sextant_recording::read_world;
 
 use super::{AGENT, NODES, number, topics};
-use crate::program::{run_text, sextant};
+use crate::program::{Said, run_text, sextant};
 
 const TARGET: &str = r#"
 [[world.targets]]
@@ -117,8 +117,7 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
 #[test]
 fn figures_show_ways_and_the_capture() {
     let (folder, _) = run_text(&searching(), &[]);
-    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap().printed();
     let figure = |name: &str| fs::read_to_string(folder.path().join("f").join(name)).unwrap();
     let picture = figure("application-detarsk.svg");
     for text in ["way of hare", "path of hunter", "capture", "1 of 1 target captured"] {
