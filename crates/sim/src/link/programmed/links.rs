@@ -8,7 +8,6 @@ use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{NodeId, SimTime, StationId};
-use sextant_mac::frame::DataFrame;
 use sextant_mac::program::{self, News, ProgramRadio, Rest, Timers, Whole};
 use sextant_mac::{Phy, RadioState};
 
@@ -18,7 +17,7 @@ use crate::air::{Arrival, ReceiverId, Sense};
 use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
 use crate::link::books::{Books, FrameSpans, RadioUse};
-use crate::link::ieee802154::{first_sequence, header, pan};
+use crate::link::ieee802154::{first_sequence, pan};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
@@ -89,11 +88,6 @@ impl Links {
             mpdu: Vec::with_capacity(127),
             payload: 0..0,
         }
-    }
-
-    /// The header of the frames of a station.
-    pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
-        header(self.pan, station, to)
     }
 
     /// Commands the radio of a station, or tells it of an event, and brings the air in line with what it does then.

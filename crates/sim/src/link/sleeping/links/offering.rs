@@ -1,7 +1,6 @@
 //! Frames are offered, and what becomes of them is counted.
 
 use sextant_kernel::StationId;
-use sextant_mac::frame::DataFrame;
 
 use super::Links;
 use crate::link::ieee802154::{header, offered_octets};
@@ -14,11 +13,6 @@ use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutco
 use crate::service::upcall::Upcall;
 
 impl Links {
-    /// The header of the data frames of a station.
-    pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
-        header(self.pan, station, to)
-    }
-
     /// Takes a frame to send.
     pub(super) fn take_frame(
         &mut self,
@@ -31,7 +25,7 @@ impl Links {
             return Err(SendError::ReceivesOnly);
         }
         self.ledger.can_reach(station, to)?;
-        let mpdu_octets = offered_octets(&self.header(station, to), payload)?;
+        let mpdu_octets = offered_octets(&header(self.pan, station, to), payload)?;
         let allowed = self.settings.least_mpdu_octets();
         if mpdu_octets < allowed {
             return Err(SendError::Undersized { found: mpdu_octets.into(), allowed: allowed.into() });

@@ -1,7 +1,6 @@
 //! Frames are offered, and what becomes of them is counted.
 
 use sextant_kernel::StationId;
-use sextant_mac::frame::DataFrame;
 
 use super::Links;
 use crate::link::ieee802154::{header, offered_octets};
@@ -15,11 +14,6 @@ use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutco
 use crate::service::upcall::Upcall;
 
 impl Links {
-    /// The sizes of the data frames of a station, which are those of earlier revisions.
-    pub(super) fn sizes(&self, station: StationId, to: Destination) -> DataFrame {
-        header(self.pan, station, to)
-    }
-
     /// Takes a frame to send.
     pub(super) fn take_frame(
         &mut self,
@@ -32,7 +26,7 @@ impl Links {
             return Err(SendError::ReceivesOnly);
         }
         self.ledger.can_reach(station, to)?;
-        let sizes = self.sizes(station, to);
+        let sizes = header(self.pan, station, to);
         let mpdu_octets = offered_octets(&sizes, payload)?;
         self.ledger.offer(station, mpdu_octets, scene);
         let content = self.payloads.keep(payload);
@@ -107,7 +101,7 @@ impl Links {
         match content {
             Content::Octets(slot) => self.payloads.octets(slot),
             Content::Filler if kind == FrameKind::Data => {
-                let sizes = self.sizes(station, to);
+                let sizes = header(self.pan, station, to);
                 sizes.filler(mpdu_octets).expect("sizes of traffic were checked at the start")
             }
             Content::Filler => &[],
