@@ -12,7 +12,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{inspect, read_run, read_world};
 use tempfile::TempDir;
 
-use crate::program::{Said, run_text, sextant};
+use crate::program::{Said, number, run_text, sextant};
 
 /// 36 nodes a metre and a half apart, which always listen.
 const NODES: &str = r#"
@@ -78,10 +78,6 @@ algorithm.ml_tm = { grid_step_m = 0.5, estimate = "posterior_mean", profile.fitt
 
 fn seeking() -> String {
     [NODES, FIELD, AGENT, SEEKING].concat()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 /// Number of messages on each topic of a recording.

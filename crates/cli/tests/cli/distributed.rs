@@ -4,7 +4,7 @@ use serde_json::Value;
 use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;
 
-use crate::program::{Said, check_text, run_text, sextant};
+use crate::program::{Said, check_text, number, run_text, sextant};
 
 /// 60 nodes in a greenhouse, of which nine know their place.
 const NODES: &str = r#"
@@ -66,10 +66,6 @@ fn static_anchors() -> String {
 fn mobile_anchor() -> String {
     let mapping = MAPPING.replace("range_m = 5.0\n[", "range_m = 5.0\nmobile_phase_s = 12.0\n[");
     [NODES, MILLIMETRE_WAVES, &mapping, ROBOT].concat()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 #[test]

@@ -24,6 +24,11 @@ pub(crate) fn sets<'a>(settings: &'a [&str]) -> impl Iterator<Item = &'a str> {
     settings.iter().flat_map(|setting| ["--set", setting])
 }
 
+/// A number in a summary.
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
 /// What the program said when it has ended.
 pub(crate) trait Said {
     /// Exit code, standard output and standard error.

@@ -4,8 +4,8 @@ use std::fs;
 
 use sextant_recording::read_world;
 
-use super::{AGENT, NODES, number, topics};
-use crate::program::{Said, run_text, sextant};
+use super::{AGENT, NODES, topics};
+use crate::program::{Said, number, run_text, sextant};
 
 const TARGET: &str = r#"
 [[world.targets]]
