@@ -47,15 +47,7 @@ fn town(count: u32) -> ObstacleField {
                 height_m: size[2],
             }),
         };
-        let config = ObstacleConfig {
-            name: None,
-            shape,
-            material: None,
-            absorption_per_m: Some(4.6),
-            loss_db: None,
-            solid: true,
-            reflection_loss_db: None,
-        };
+        let config = ObstacleConfig::absorbing(shape, 4.6);
         Obstacle::try_from(config).expect("an obstacle with a volume")
     });
     ObstacleField::new(obstacles.collect())

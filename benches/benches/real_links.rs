@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{Auto, AutoConfig, LinkModel, LinkModelConfig, SelfCalibrated, SelfCalibratedConfig};
 
 const COUNT: u32 = 350;
@@ -29,18 +29,15 @@ fn log(is_spatial: bool) -> ReceptionLog {
         for (stop, other) in (0..).zip(&stops) {
             let margin = 3.2 - 2.0 * libm::log(place.distance_m(*other).max(0.3) / 10.0) + offset + normal(3, stop);
             let received = (0..PACKETS).filter(|packet| margin + normal(4 + u64::from(*packet), stop) > 0.0).count();
-            receptions.push(Reception {
-                node: NodeId(node),
+            receptions.push(Reception::heard(
+                NodeId(node),
                 stop,
-                received: u32::try_from(received).expect("at most ten"),
-                sent: PACKETS,
-                sector: None,
-                rssi_dbm: None,
-                snr_db: None,
-            });
+                u32::try_from(received).expect("at most ten"),
+                PACKETS,
+            ));
         }
     }
-    let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+    let stop = |position| Stop::at(position);
     let names = (0..COUNT).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.into_iter().map(stop).collect(), receptions, Vec::new()).expect("a valid log")
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed};
 use sextant_mapper::{Lattice, ReceptionProfile};
 
 /// A survey to be mapped.
@@ -164,22 +164,11 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
             let shadowing_db = sigma_db * seed.normal(Purpose::new(4), [node, u64::from(stop), 0]);
             if margin_db + shadowing_db >= 10.0 * exponent * libm::log10(distance_m.max(0.1)) {
                 let node = NodeId(u32::try_from(node).expect("a node"));
-                receptions.push(Reception {
-                    node,
-                    stop,
-                    received: 1,
-                    sent: 1,
-                    sector: None,
-                    rssi_dbm: None,
-                    snr_db: None,
-                });
+                receptions.push(Reception::heard(node, stop, 1, 1));
             }
         }
     }
-    let stops = stops
-        .iter()
-        .map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
-        .collect();
+    let stops = stops.iter().map(|&position| Stop::at(position)).collect();
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     receptions.build(names, stops, Vec::new()).expect("a log without contradictions")
 }

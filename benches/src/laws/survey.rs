@@ -1,7 +1,7 @@
 //! A robot listens at the stops of a site.
 
 use sextant_channel::{LogError, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, SimTime};
+use sextant_kernel::{NodeId, Purpose, SimTime};
 
 use super::site::Site;
 
@@ -84,22 +84,20 @@ pub(super) fn survey(
             });
             let (received, sum) = packets.fold((0, 0.0), |(count, sum), rssi_dbm| (count + 1, sum + rssi_dbm));
             receptions.push(Reception {
-                node: NodeId::from_index(node),
-                stop: u32::try_from(stop).unwrap_or(u32::MAX),
-                received,
-                sent: listening.packets,
-                sector: None,
                 rssi_dbm: (received > 0).then(|| sum / f64::from(received)),
-                snr_db: None,
+                ..Reception::heard(
+                    NodeId::from_index(node),
+                    u32::try_from(stop).unwrap_or(u32::MAX),
+                    received,
+                    listening.packets,
+                )
             });
         }
     }
     let names = (0..site.nodes.len()).map(|node| format!("n{node}")).collect();
     let stops = (0..).zip(&site.stops).map(|(number, &position)| Stop {
-        robot: RobotId(0),
         time: SimTime::from_nanos(STOP_S * 1_000_000_000 * number),
-        position,
-        heading_rad: None,
+        ..Stop::at(position)
     });
     ReceptionLog::new(names, stops.collect(), receptions, Vec::new())
 }

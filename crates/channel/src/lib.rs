@@ -18,16 +18,8 @@
 //!     ShapeConfig, };
 //! use sextant_kernel::Seed;
 //!
-//! let wall = ObstacleConfig {
-//!     name: Some("wall".into()),
-//!     shape: ShapeConfig::Box(BoxConfig {
-//!         center_m: Position::new(5.0, 0.0, 0.0),
-//!         size_m: [0.5, 8.0, 3.0],
-//!         yaw_deg: 0.0,
-//!     }),
-//!     material: Some("concrete".into()),
-//!     absorption_per_m: None, loss_db: None, solid: true, reflection_loss_db: None,
-//! };
+//! let wall = BoxConfig::new(Position::new(5.0, 0.0, 0.0), [0.5, 8.0, 3.0]);
+//! let wall = ObstacleConfig::of(ShapeConfig::Box(wall), "concrete");
 //! let obstacles = ObstacleField::new(vec![Obstacle::try_from(wall)?]);
 //! let config = ChannelConfig { environment: Some(Environment::Suburban), ..ChannelConfig::default() };
 //! let channel = Channel::new(config.try_into()?, obstacles, Seed(1));

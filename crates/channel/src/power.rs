@@ -3,9 +3,6 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// A power level (dBm). Two levels do not add: sum [`Milliwatts`] instead.
 ///
 /// ```compile_fail
@@ -13,16 +10,14 @@ use serde::{Deserialize, Serialize};
 /// let _ = Dbm(-50.0) + Dbm(-60.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(transparent))]
 pub struct Dbm(pub f64);
 
 /// A power ratio (dB): a gain if positive, a loss where a name says so.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(transparent))]
 pub struct Db(pub f64);
 
 /// A power (mW), not negative.

@@ -1,7 +1,5 @@
 //! The estimators by name: a new one is a folder, and a line here.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::auto::AutoConfig;
@@ -23,9 +21,8 @@ use crate::stitch::StitchConfig;
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MapConfig {
     /// Name of the map in tables and recordings; the algorithm's name if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -61,9 +58,8 @@ macro_rules! estimators {
     ($($(#[doc = $doc:literal])* $variant:ident($settings:ty) as $key:literal $(by $mapper:path)?,)*) => {
         /// A mapping algorithm as written in a scenario.
         #[derive(Clone, Debug, PartialEq)]
-        #[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+        #[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-        #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
         pub enum AlgorithmConfig {
             $(
                 $(#[doc = $doc])*

@@ -1,7 +1,5 @@
 //! The knowledge that an algorithm is given, and the kinds of knowledge that it uses.
 
-#[cfg(feature = "config")]
-use serde::Serialize;
 #[cfg(feature = "obstacles")]
 use sextant_channel::ObstacleField;
 use sextant_channel::{Anchor, NeighbourLog, Position, ReceptionLog};
@@ -71,7 +69,7 @@ impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
 
 /// A kind of knowledge that an algorithm uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize))]
 #[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum KnowledgeKind {
     /// Which packets the robot heard where, and where it was.

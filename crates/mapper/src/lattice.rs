@@ -234,13 +234,9 @@ fn two_digits(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{RobotId, SimTime};
 
     fn stops(places: &[[f64; 3]]) -> Vec<Stop> {
-        places
-            .iter()
-            .map(|&place| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place.into(), heading_rad: None })
-            .collect()
+        places.iter().map(|&place| Stop::at(place.into())).collect()
     }
 
     #[test]

@@ -72,13 +72,13 @@ pub use auto::{
 };
 pub use comparable::Comparable;
 pub use comparators::{
-    AngleOfArrival, AngleOfArrivalConfig, Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, CountConfig, DrMds,
-    DrMdsConfig, DvHop, DvHopConfig, ExtremeConfig, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength,
-    LandmarksConfig, LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid,
-    PacketCentroidConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop,
-    StrongestStopConfig, TimeDifference, TimeDifferenceConfig, TimeOfArrival, TimeOfArrivalConfig, Tpm, TpmConfig,
-    TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig, lateration,
-    localise,
+    AngleOfArrival, AngleOfArrivalConfig, Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator,
+    CountConfig, DrMds, DrMdsConfig, DvHop, DvHopConfig, ExtremeConfig, FrameConfig, GaussianProcess,
+    GaussianProcessConfig, HopLength, LandmarksConfig, LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig,
+    NtldvHop, NtldvHopConfig, PacketCentroid, PacketCentroidConfig, RssMl, RssMlConfig, RssiCentroid,
+    RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop, StrongestStopConfig, TimeDifference,
+    TimeDifferenceConfig, TimeOfArrival, TimeOfArrivalConfig, Tpm, TpmConfig, TriangleCentroid,
+    TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig, lateration, localise,
 };
 pub use count_rule::CountRule;
 pub use error::MapError;

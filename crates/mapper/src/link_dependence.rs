@@ -109,7 +109,7 @@ struct NodeSums {
 #[cfg(test)]
 mod tests {
     use sextant_channel::Reception;
-    use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
+    use sextant_kernel::{Purpose, Seed, SimTime};
 
     use super::*;
     use crate::topology_map::CoordinateFrame;
@@ -118,10 +118,8 @@ mod tests {
     fn dependence(sent: u32, share: impl Fn(usize, u32) -> f64) -> Option<LinkDependence> {
         let seed = Seed(5);
         let stop = |number: u32| Stop {
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(number)),
-            position: Position::new(f64::from(number), 0.0, 0.0),
-            heading_rad: None,
+            ..Stop::at(Position::new(f64::from(number), 0.0, 0.0))
         };
         let mut receptions = Vec::new();
         for node in 0..30 {
@@ -132,7 +130,7 @@ mod tests {
                 };
                 let received = u32::try_from((0..sent).filter(arrives).count()).unwrap();
                 let node = NodeId::from_index(node);
-                receptions.push(Reception { node, stop, received, sent, sector: None, rssi_dbm: None, snr_db: None });
+                receptions.push(Reception::heard(node, stop, received, sent));
             }
         }
         let names = (0..30).map(|node| format!("n{node}")).collect();

@@ -1,15 +1,12 @@
 //! Distances from signal strengths.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// The law that turns signal strengths into distances, as written in a scenario. It ignores obstacles. In a scenario,
 /// absent values come from its radio and channel. Elsewhere, exponent and transmit power are required.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RangingConfig {
     /// Path loss exponent.
     #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]

@@ -49,15 +49,7 @@ impl TopologyMap {
     /// The map of an algorithm that gives only places.
     #[must_use]
     pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: CoordinateFrame) -> Self {
-        let estimate = |position| Estimate {
-            position,
-            log_likelihood: None,
-            ties: 1,
-            covariance: None,
-            infeasible: false,
-            concern: None,
-        };
-        let estimates = places.into_iter().map(|place| place.map(estimate)).collect();
+        let estimates = places.into_iter().map(|place| place.map(Estimate::of_place)).collect();
         Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, heights: None, frame }
     }
 

@@ -92,9 +92,14 @@ impl ScenarioFile {
         Ok(axes)
     }
 
+    /// Its settings.
+    pub(super) fn document(&self) -> &Document {
+        &self.document
+    }
+
     /// Its settings, overridden by `set` and `seed`.
     pub(super) fn overridden(&self, set: &[String], seed: Option<u64>) -> Result<Document, ScenarioErrors> {
-        let mut document = Document::clone(&self.document);
+        let mut document = self.document().clone();
         document.override_by(set, seed, &self.folder)?;
         Ok(document)
     }

@@ -73,9 +73,9 @@ impl ScenarioFile {
     /// If one is no setting, or names an entry that an array does not have.
     pub fn left_out(&self, set: &[String]) -> Result<Vec<String>, ScenarioErrors> {
         let mut sentences = Vec::new();
-        for (i, line) in set.iter().enumerate() {
+        let mut document = self.document().clone();
+        for line in set {
             let ReadSetting { path, value } = ReadSetting::of(line)?;
-            let document = self.overridden(&set[..i], None)?;
             let mut keys = Vec::new();
             if let (before, true) = document.nearest(&path) {
                 absent(before, &value, &path, &mut keys);
@@ -88,6 +88,7 @@ impl ScenarioFile {
                     "the setting `{line}` replaces all of `{path}`: {keys} of the file {has} no effect"
                 ));
             }
+            document.lay_setting(SETTING, line, self.folder())?;
         }
         Ok(sentences)
     }

@@ -24,7 +24,7 @@
 //! use sextant_kernel::{Seed, SettingError, StationId};
 //! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
 //! use sextant_sim::{
-//!     Application, Applications, Delivery, Destination, Faults, Ieee802154, Mac, Network, NetworkId, Payload, Port,
+//!     Application, Applications, Delivery, Destination, Ieee802154, Mac, Network, NetworkId, Payload, Port,
 //!     Radio, RadioConfig, ReceptionModel, Setup, Simulation, Technology, TrafficPlan, Unobserved, World, layout::PlacedNode,
 //! };
 //!
@@ -71,19 +71,10 @@
 //!     radio: Radio::try_from(radio)?.with_reception(ReceptionModel::Ber),
 //!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
 //! };
-//! let network = Network {
-//!     name: None,
-//!     channel: ChannelConfig::default().try_into()?,
-//!     technology: Technology::Ieee802154(links),
-//!     radio_states: RadioStates::cc2420(),
-//!     traffic: TrafficPlan::silent(2),
-//!     ranging: None,
-//!     link_trace: None,
-//!     members: None,
-//! };
+//! let (law, technology) = (ChannelConfig::default().try_into()?, Technology::Ieee802154(links));
+//! let network = Network::of(law, technology, RadioStates::cc2420(), TrafficPlan::silent(2));
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
-//! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
-//! let setup = Setup { world, robots, sinks, networks, duration: None, faults: Faults::default(), batteries: None, seed: Seed(1) };
+//! let setup = Setup::of(world, network, Seed(1));
 //! let stations = Applications::of_nodes(vec![Station::Asks(None), Station::Answers(451)]);
 //! let (survey, stations) = Simulation::with(setup, stations)?.run_own(&mut Unobserved);
 //! assert!(matches!(stations.nodes[0], Station::Asks(Some(451))));

@@ -32,6 +32,21 @@ pub struct Network {
 }
 
 impl Network {
+    /// The only network, of all nodes, whose links follow the law of the channel. Robots measure no ranges.
+    #[must_use]
+    pub fn of(channel: ChannelLaw, technology: Technology, radio_states: RadioStates, traffic: TrafficPlan) -> Self {
+        Self {
+            name: None,
+            channel,
+            technology,
+            radio_states,
+            link_trace: None,
+            traffic,
+            ranging: None,
+            members: None,
+        }
+    }
+
     /// Whether a node is in the network.
     #[must_use]
     pub fn has(&self, node: NodeId) -> bool {

@@ -34,6 +34,21 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Nodes of `world` in one network, without robots and sinks, until nothing is left to happen.
+    #[must_use]
+    pub fn of(world: World, network: Network, seed: Seed) -> Self {
+        Self {
+            world,
+            networks: vec![network],
+            robots: Vec::new(),
+            sinks: Vec::new(),
+            duration: None,
+            faults: Faults::default(),
+            batteries: None,
+            seed,
+        }
+    }
+
     /// The networks that robots survey, in their order; the first network if no robot surveys.
     #[must_use]
     pub fn surveyed(&self) -> Vec<NetworkId> {

@@ -1,7 +1,7 @@
 //! Ways on the ground, and plans on them.
 
 use sextant_channel::{Bounds, ObstacleField, Position, Reception, ReceptionLog, Stop, WallConfig};
-use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{CoordinateFrame, ProfileConfig, ReceptionProfile, TopologyMap, TrapezoidConfig};
 
 use super::*;
@@ -76,16 +76,8 @@ fn a_robot_in_a_wall_or_enclosed_by_walls_is_told() {
 
 /// Nodes at `places` with a standard deviation along x and y (m) each, heard by a robot at (1, 1).
 fn outlook(nodes: &[(Position, f64)], profile: TrapezoidConfig) -> Outlook {
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: at(1.0, 1.0), heading_rad: None };
-    let heard = |node| Reception {
-        node: NodeId::from_index(node),
-        stop: 0,
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: None,
-        snr_db: None,
-    };
+    let stop = Stop::at(at(1.0, 1.0));
+    let heard = |node| Reception::heard(NodeId::from_index(node), 0, 1, 1);
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     let log = ReceptionLog::new(names, vec![stop], (0..nodes.len()).map(heard).collect(), Vec::new()).unwrap();
     let places = nodes.iter().map(|(place, _)| Some(*place)).collect();

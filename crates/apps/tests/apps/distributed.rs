@@ -15,9 +15,9 @@ use sextant_mac::dmg::SweepConfig;
 use sextant_mapper::BearingTable;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Antennas, AntennasConfig, Applications, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, Network, NetworkId,
-    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, Simulation, Technology,
-    TrafficPlan, Unobserved, World,
+    Antennas, AntennasConfig, Applications, DmgRadio, Ieee80211ad, Ieee802154, Mac, Network, NetworkId, Observer,
+    Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, Simulation, Technology, TrafficPlan,
+    Unobserved, World,
 };
 
 /// Reach of the radios (m).
@@ -111,25 +111,19 @@ impl Scene {
         let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
         let channel: ChannelConfig =
             toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
-        let network = Network {
-            name: None,
-            channel: channel.try_into().expect("a good channel"),
-            technology: self.technology(),
-            radio_states: RadioStates::mmwave_60_ghz(),
-            traffic: TrafficPlan::silent(places.len()),
-            ranging: None,
-            link_trace: None,
-            members: None,
-        };
+        let network = Network::of(
+            channel.try_into().expect("a good channel"),
+            self.technology(),
+            RadioStates::mmwave_60_ghz(),
+            TrafficPlan::silent(places.len()),
+        );
         let setup = Setup {
-            world: World { nodes: places.iter().enumerate().map(node).collect(), ..World::default() },
-            networks: vec![network],
             robots: self.robot(&settings).into_iter().collect(),
-            sinks: Vec::new(),
-            duration: None,
-            faults: Faults::default(),
-            batteries: None,
-            seed: Seed(self.seed),
+            ..Setup::of(
+                World { nodes: places.iter().enumerate().map(node).collect(), ..World::default() },
+                network,
+                Seed(self.seed),
+            )
         };
         let antenna =
             self.has_sectors.then_some(NodeAntenna { sectors: 8, vertical_width_rad: std::f64::consts::PI });

@@ -14,8 +14,8 @@ use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Estimate, Faults, Field, FieldConfig, FieldSensorConfig, Ieee802154, Listening, Mac, Network, NetworkId,
-    Observer, Odometry, OwnFrame, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig, Setup,
+    Estimate, Field, FieldConfig, FieldSensorConfig, Ieee802154, Listening, Mac, Network, NetworkId, Observer,
+    Odometry, OwnFrame, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig, Setup,
     Simulation, Technology, TrafficPlan, World,
 };
 
@@ -109,19 +109,15 @@ impl Scene {
             toml::from_str("environment = \"suburban\"\nmax_range_m = 10.0").expect("a channel");
         let radio: sextant_sim::RadioConfig =
             toml::from_str("tx_power_dbm = -50.0\nsensitivity_dbm = -90.0").expect("a radio");
-        Network {
-            name: None,
-            channel: channel.try_into().expect("a good channel"),
-            technology: Technology::Ieee802154(Ieee802154 {
+        Network::of(
+            channel.try_into().expect("a good channel"),
+            Technology::Ieee802154(Ieee802154 {
                 radio: Radio::try_from(radio).expect("good levels").with_reception(ReceptionModel::Overlap),
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
-            radio_states: RadioStates::cc2420(),
-            traffic: TrafficPlan::silent(nodes),
-            ranging: None,
-            link_trace: None,
-            members: None,
-        }
+            RadioStates::cc2420(),
+            TrafficPlan::silent(nodes),
+        )
     }
 
     fn level_set(&self, settings: &str) -> Found {
@@ -173,20 +169,19 @@ impl Scene {
         let own = Arc::new(settings(&fields)).stations(&Arc::new(map), team);
         let node = |(i, position): (usize, Position)| PlacedNode { name: format!("n{i}"), position };
         let setup = Setup {
-            world: World {
-                nodes: places.into_iter().enumerate().map(node).collect(),
-                obstacles: self.obstacles.clone(),
-                fields,
-                sensors: Sensors::try_from(sensors).expect("good sensors"),
-                ..World::default()
-            },
-            networks: vec![network],
             robots: vec![Robot { body, task: RobotTask::Own }],
-            sinks: Vec::new(),
             duration: Some(duration),
-            faults: Faults::default(),
-            batteries: None,
-            seed: Seed(self.seed),
+            ..Setup::of(
+                World {
+                    nodes: places.into_iter().enumerate().map(node).collect(),
+                    obstacles: self.obstacles.clone(),
+                    fields,
+                    sensors: Sensors::try_from(sensors).expect("good sensors"),
+                    ..World::default()
+                },
+                network,
+                Seed(self.seed),
+            )
         };
         let mut watch = Watch::default();
         let (_, mut own) = Simulation::with(setup, own).expect("a good setup").run_own(&mut watch);

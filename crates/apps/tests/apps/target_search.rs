@@ -15,9 +15,9 @@ use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Estimate, Faults, Ieee802154, Mac, Network, NetworkId, Observer, Radio, RadioConfig, ReceptionModel, Robot,
-    RobotBody, RobotConfig, RobotTask, Sensors, SensorsConfig, Setup, Simulation, Sink, TargetConfig, TargetId,
-    Technology, TrafficPlan, World, WorldConfig,
+    Estimate, Ieee802154, Mac, Network, NetworkId, Observer, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
+    RobotConfig, RobotTask, Sensors, SensorsConfig, Setup, Simulation, Sink, TargetConfig, TargetId, Technology,
+    TrafficPlan, World, WorldConfig,
 };
 
 /// Nodes on a lattice of 1 m, each moved a little, and a sink at the corner.
@@ -134,19 +134,15 @@ impl Scene {
         let search = Arc::new(search.expect("good settings"));
         let channel: ChannelConfig =
             toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
-        let network = Network {
-            name: None,
-            channel: channel.try_into().expect("a good channel"),
-            technology: Technology::Ieee802154(Ieee802154 {
+        let network = Network::of(
+            channel.try_into().expect("a good channel"),
+            Technology::Ieee802154(Ieee802154 {
                 radio: radio.clone(),
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
-            radio_states: RadioStates::cc2420(),
-            traffic: TrafficPlan::silent(world.nodes.len()),
-            ranging: None,
-            link_trace: None,
-            members: None,
-        };
+            RadioStates::cc2420(),
+            TrafficPlan::silent(world.nodes.len()),
+        );
         let body = |(i, text): (usize, &&str)| {
             let config: RobotConfig<u8> = toml::from_str(&format!("name = \"r{i}\"\ncontroller = 0\n{text}"))
                 .unwrap_or_else(|error| panic!("a robot: {error}"));
@@ -170,14 +166,10 @@ impl Scene {
         );
         let robot = |body| Robot { body, task: RobotTask::Own };
         let setup = Setup {
-            world,
-            networks: vec![network],
             robots: bodies.into_iter().map(robot).collect(),
             sinks: vec![Sink { name: "sink".into(), position: Position::new(-0.5, -0.5, 0.0), networks: None }],
             duration: Some(duration),
-            faults: Faults::default(),
-            batteries: None,
-            seed: Seed(self.seed),
+            ..Setup::of(world, network, Seed(self.seed))
         };
         let mut watch = Watch::default();
         let (_, own) = Simulation::with(setup, own).expect("a good setup").run_own(&mut watch);

@@ -46,7 +46,7 @@ impl Trace {
 
 /// Boxes in space, each given by centre and size.
 pub(crate) fn solid_field(boxes: &[([f64; 3], [f64; 3])]) -> ObstacleField {
-    concrete(boxes.iter().map(|&(center, size_m)| BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 }))
+    concrete(boxes.iter().map(|&(center, size_m)| BoxConfig::new(center.into(), size_m)))
 }
 
 /// Boxes that are 3 m high, each given by centre, size and yaw.
@@ -60,15 +60,7 @@ pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
 
 fn concrete(boxes: impl Iterator<Item = BoxConfig>) -> ObstacleField {
     let obstacle = |shape: BoxConfig| {
-        let config = ObstacleConfig {
-            name: None,
-            shape: ShapeConfig::Box(shape),
-            material: None,
-            absorption_per_m: Some(4.6),
-            loss_db: None,
-            solid: true,
-            reflection_loss_db: None,
-        };
+        let config = ObstacleConfig::absorbing(ShapeConfig::Box(shape), 4.6);
         Obstacle::try_from(config).expect("a box")
     };
     ObstacleField::new(boxes.map(obstacle).collect())

@@ -12,8 +12,6 @@ pub(crate) mod turned_sectors;
 use std::ops::Range;
 use std::path::PathBuf;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, Seed, SettingError, StationId};
 
 pub use code_book::{CodeBookConfig, Gaps, SectorGainsConfig, look_like_factors};
@@ -43,9 +41,8 @@ const RIPPLE_LIMIT: f64 = 4.0;
 
 /// An antenna as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AntennaConfig {
     /// The same gain in all directions.
     Omnidirectional(OmnidirectionalConfig),
@@ -64,9 +61,8 @@ impl Default for AntennaConfig {
 
 /// An antenna with the same gain in all directions, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OmnidirectionalConfig {
     /// Gain (dBi).
     #[cfg_attr(feature = "config", serde(default))]

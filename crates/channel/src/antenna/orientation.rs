@@ -1,7 +1,5 @@
 //! How an antenna is turned in the world.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::geometry::position::Position;
@@ -11,9 +9,8 @@ const MOST_DEG: f64 = 3600.0;
 
 /// How an antenna is turned, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OrientationConfig {
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
     #[cfg_attr(feature = "config", serde(default))]

@@ -2,8 +2,6 @@
 
 use std::f64::consts::PI;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::geometry::position::Position;
@@ -11,9 +9,8 @@ use crate::power::Db;
 
 /// The radiation pattern of a beam, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PatternConfig {
     /// The reference antenna of IEEE 802.15.3c: a round beam with a Gaussian main lobe and constant side lobes.
     Ieee802153c(Ieee802153cConfig),
@@ -33,9 +30,8 @@ impl Default for PatternConfig {
 
 /// The reference antenna of IEEE 802.15.3c, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct Ieee802153cConfig {
     /// What the edge of a sector is.
     #[cfg_attr(feature = "config", serde(default))]
@@ -47,9 +43,8 @@ pub struct Ieee802153cConfig {
 
 /// What the edge of a sector is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorEdge {
     /// The half-power width is the width of the sector: neighbours cross 3 dB below the peak.
     #[default]
@@ -60,9 +55,8 @@ pub enum SectorEdge {
 
 /// How the main lobe meets the side lobes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum LobeEdge {
     /// The gain jumps at 1.3 half-power widths from the boresight, as the reference says.
     #[default]
@@ -73,16 +67,14 @@ pub enum LobeEdge {
 
 /// A beam of two widths, as written in a scenario. Its widths are those of the sectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EllipticalConfig {}
 
 /// The antenna element of 3GPP TR 38.901, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct Tr38901Config {
     /// Half-power width in azimuth (degrees), 65 if absent.
     #[cfg_attr(feature = "config", serde(default = "element_width_deg"))]
@@ -105,9 +97,8 @@ impl Default for Tr38901Config {
 /// A pattern of two gains, as written in a scenario. The gain inside follows from the gain outside, because an antenna
 /// without losses radiates all its power.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct FlatTopConfig {
     /// Which directions are inside.
     #[cfg_attr(feature = "config", serde(default))]
@@ -129,9 +120,8 @@ impl Default for FlatTopConfig {
 
 /// Which directions are inside a flat beam.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum FlatBeam {
     /// An interval of azimuth, and of elevation if the sectors have a vertical width. The beams of a ring do not
     /// overlap.

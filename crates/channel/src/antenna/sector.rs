@@ -3,17 +3,14 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x,
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorConfig {
     /// Identity of the sector in the log, 0 to 255.
     pub sector: u8,
@@ -33,9 +30,8 @@ pub struct SectorConfig {
 /// Sectors of equal width that fill the circle, in one or more rings: sector `i` of ring `j` is number
 /// `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
     pub azimuth_sectors: u8,

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use crate::antenna::sector::SectorDirections;
@@ -23,9 +21,8 @@ pub struct SectorGains {
 /// The antenna of a listener and how it is turned in the frame of the stops, as a file has it: one of `sectors` and
 /// `code_book`.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ListenerAntennaConfig {
     /// How the antenna is turned in the frame of the stops; level if absent, with azimuth 0 along x.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_level"))]

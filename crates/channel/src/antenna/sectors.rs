@@ -1,7 +1,5 @@
 //! Antennas with equal sectors in rings.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::pattern::{Aim, Beam, Ieee802153cConfig, Pattern, SectorEdge};
@@ -11,9 +9,8 @@ use crate::antenna::sector::{EvenSectorsConfig, SectorDirections};
 /// An antenna with sectors of equal width in azimuth, in one or more rings, as written in a scenario. Sector `i` of
 /// ring `j` is number `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct AntennaSectorsConfig {
     /// Number of sectors in a ring, 1 to 64.
     pub azimuth_sectors: u8,
@@ -57,9 +54,8 @@ fn one_ring() -> Vec<f64> {
 
 /// How an antenna covers several rings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Vertical {
     /// Each ring is a separate antenna (vertical antenna array); one sweep covers all, at most 128 sectors.
     #[default]

@@ -1,7 +1,5 @@
 //! Bursts of loss: the model of Gilbert and Elliott in continuous time.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, SimTime, StationId};
 
 use super::{PairDraws, pair};
@@ -11,9 +9,8 @@ use crate::purpose;
 /// Bursts of loss as written in a scenario (Gilbert 1960, Elliott 1963): each link is good or bad for a while, in both
 /// directions, and independently of all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct BurstsConfig {
     /// Mean time for which a link is good (s); the times have an exponential law.
     pub good_s: f64,

@@ -1,14 +1,10 @@
 //! Fading as written in a scenario.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// Fading as written in a scenario: many ways of a signal add up or cancel, from place to place, from channel to channel
 /// and, if something moves around the links, from time to time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct FadingConfig {
     /// How deep the fades are.
     #[cfg_attr(feature = "config", serde(default))]
@@ -29,9 +25,8 @@ pub struct FadingConfig {
 
 /// How deep fades are, as written in a scenario. The mean power is that without fading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum FadingLawConfig {
     /// Scattered ways alone: the amplitude has the law of Rayleigh.
     #[default]
@@ -44,9 +39,8 @@ pub enum FadingLawConfig {
 
 /// Rician fading as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct RicianConfig {
     /// Power of the direct way over that of all others (dB), -20 to 25: 10 or less between sensor nodes in an office.
     pub k_db: f64,
@@ -54,9 +48,8 @@ pub struct RicianConfig {
 
 /// Nakagami fading as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct NakagamiConfig {
     /// The parameter m, a multiple of 0.5 from 0.5 to 20: 1 is Rayleigh, less is worse.
     pub m: f64,

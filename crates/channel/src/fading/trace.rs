@@ -57,12 +57,6 @@ impl LinkTrace {
         self.rows.entry((from.0, to.0)).or_default().push((since, link));
     }
 
-    /// Number of links with rows, each direction for itself.
-    #[must_use]
-    pub fn link_count(&self) -> usize {
-        self.rows.len()
-    }
-
     /// What is known of the link from one station to another at `now`.
     #[must_use]
     pub fn at(&self, from: StationId, to: StationId, now: SimTime) -> Traced {
@@ -111,7 +105,6 @@ mod tests {
         let both = |dbm| TracedLink { strength: Some(Dbm(dbm)), share: Some(0.5) };
         assert_eq!([-95.0, -60.0].map(|dbm| trace.strength(both(dbm))), [Some(Dbm(-70.0)), Some(Dbm(-60.0))]);
         assert_eq!(trace.strength(TracedLink { strength: Some(Dbm(-95.0)), share: None }), Some(Dbm(-95.0)));
-        assert_eq!(trace.link_count(), 2);
         let law = LinkTrace::new(OtherLinks::Law, Dbm(-70.0));
         assert_eq!(law.at(StationId(0), StationId(2), at(0)), Traced::Law);
     }

@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 /// A place, or a displacement between two places, in the world frame (m): x east, y north, z up.
 /// A planar scene has z = 0. Written as `[x, y]` or `[x, y, z]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize), serde(from = "Written", into = "[f64; 3]"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(from = "Written", into = "[f64; 3]"))]
 #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>", extend("minItems" = 2, "maxItems" = 3)))]
 pub struct Position {
     /// East (m).

@@ -1,8 +1,6 @@
 //! One obstacle: a shape made of a material.
 use std::path::PathBuf;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use crate::geometry::position::Position;
@@ -13,9 +11,8 @@ use crate::propagation::material::Material;
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ObstacleConfig {
     /// Name in messages and pictures.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -54,6 +51,26 @@ fn is_true(value: &bool) -> bool {
 }
 
 impl ObstacleConfig {
+    /// A solid obstacle of a known material, without a name.
+    #[must_use]
+    pub fn of(shape: ShapeConfig, material: impl Into<String>) -> Self {
+        Self { material: Some(material.into()), absorption_per_m: None, ..Self::absorbing(shape, 0.0) }
+    }
+
+    /// A solid obstacle with this absorption coefficient (1/m), without a name.
+    #[must_use]
+    pub fn absorbing(shape: ShapeConfig, absorption_per_m: f64) -> Self {
+        Self {
+            name: None,
+            shape,
+            material: None,
+            absorption_per_m: Some(absorption_per_m),
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
+        }
+    }
+
     /// The file that it names, if it names one, and its key.
     pub fn file_mut(&mut self) -> Option<(&'static str, &mut PathBuf)> {
         match &mut self.shape {

@@ -1,7 +1,7 @@
 //! What a straight line meets of obstacles that touch or overlap, where that is not what it meets of each alone.
 
 use crate::geometry::position::Position;
-use crate::geometry::shape::LEVEL_M;
+use crate::geometry::shape::{LEVEL_M, join_near};
 use crate::obstacles::crossing::Crossing;
 use crate::obstacles::obstacle::Obstacle;
 
@@ -105,7 +105,7 @@ fn close_joints(members: &mut [Member<'_>], from: Position, to: Position) -> boo
     for &&(member, span) in &joints {
         let spans = &mut members[member].spans;
         spans.push(span);
-        merge(spans);
+        join_near(spans);
     }
     !joints.is_empty()
 }
@@ -122,18 +122,6 @@ fn asides(from: Position, to: Position) -> [Position; 4] {
     let above = way.cross(left) * (ABOVE_M / way.length_m());
     let left = left * ASIDE_M;
     [left + above, left - above, above - left, (left + above) * -1.0]
-}
-
-/// Sorts spans, and makes one of those that meet.
-fn merge(spans: &mut Spans) {
-    spans.sort_unstable_by(|one, other| one[0].total_cmp(&other[0]));
-    spans.dedup_by(|later, earlier| {
-        let is_same = later[0] - earlier[1] <= LEVEL_M;
-        if is_same {
-            earlier[1] = earlier[1].max(later[1]);
-        }
-        is_same
-    });
 }
 
 /// Takes from each piece of a wall what of the line is in a stronger one.

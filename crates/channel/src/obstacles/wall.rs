@@ -1,7 +1,5 @@
 //! Walls as people have them: a line on the floor, a thickness and a height, with doors and windows.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::obstacle::{Obstacle, ObstacleConfig};
@@ -10,9 +8,8 @@ use crate::geometry::shape::{LEVEL_M, PrismConfig, ShapeConfig};
 /// A wall as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of these and
 /// `loss_db`.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct WallConfig {
     /// Name in messages and pictures; `wall 0` for the first one, and so on, if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -50,9 +47,8 @@ pub struct WallConfig {
 /// A door, a window or a passage in a wall, as written in a scenario. Nothing stands in it without `material`, `absorption_per_m`
 /// and `loss_db`; with one of them it is closed, for robots too.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OpeningConfig {
     /// Where it begins, along the middle of the wall from its first corner (m).
     pub at_m: f64,

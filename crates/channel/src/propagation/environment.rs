@@ -1,12 +1,9 @@
 //! Environments with known path loss and shadowing.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// An environment with known path loss exponent and shadowing. Those with a carrier have close-in path loss (loss of
 /// free space over the first metre), the others log-distance path loss from a power at 1 m.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Environment {
     /// Suburban area: ε = 2.7, σ = 9.6 dB.

@@ -1,14 +1,11 @@
 //! Loss by the gases of the air.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// Loss by the gases of the air, as written in a scenario: in proportion to the length of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum GasConfig {
     /// None.
     #[default]

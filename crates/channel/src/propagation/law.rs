@@ -1,7 +1,5 @@
 //! The law of a link without obstacles: checked once, and shared by all users of the channel.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::fading::bursts::{BurstsConfig, BurstsLaw};
@@ -15,9 +13,8 @@ use crate::propagation::shadowing::{ShadowingConfig, ShadowingLaw};
 
 /// The radio channel as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ChannelConfig {
     /// A known environment. The keys of `path_loss` and `shadowing` override it.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

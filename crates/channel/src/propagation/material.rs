@@ -2,8 +2,6 @@
 
 use std::sync::LazyLock;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::propagation::complex::Complex;
@@ -168,9 +166,12 @@ impl Model {
 
 /// A known material, by its name in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(
+    feature = "config",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "String", into = "String")
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(try_from = "String", into = "String"))]
 #[cfg_attr(feature = "schema", schemars(with = "String"))]
 pub struct MaterialName(pub &'static Material);
 

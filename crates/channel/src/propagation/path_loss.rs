@@ -1,7 +1,5 @@
 //! Mean loss with distance.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::power::Db;
@@ -9,9 +7,8 @@ use crate::propagation::gas::GasConfig;
 
 /// Path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PathLossConfig {
     /// Log-distance law.
     LogDistance(LogDistanceConfig),
@@ -21,9 +18,8 @@ pub enum PathLossConfig {
 
 /// Close-in path loss as written in a scenario: `L(d) = 20 log10(4 π f / c) + 10 n log10(d)` with d in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CloseInConfig {
     /// Carrier (GHz), 0.1 to 1000. May be absent if the channel names an environment that has one.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -60,9 +56,8 @@ pub(crate) const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// Log-distance path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -1,7 +1,5 @@
 //! Reflections and edges as a setting, and the rays of a link.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::geometry::position::Position;
@@ -11,9 +9,8 @@ use crate::propagation::path_loss::LIGHT_M_PER_S;
 
 /// Reflections as written in a scenario: off the flat faces of boxes, prisms, convex hulls and meshes that are solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ReflectionsConfig {
     /// Loss of a reflection (dB), off obstacles without `reflection_loss_db`. If absent, the angle, the polarisation and the
     /// material of the obstacle decide (Fresnel, ITU-R P.2040-3); obstacles without a material of known permittivity do
@@ -82,9 +79,8 @@ fn is_vertical(polarisation: &Polarisation) -> bool {
 
 /// Direction of the electric field of a wave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Polarisation {
     /// In the vertical plane of the ray.
     #[default]

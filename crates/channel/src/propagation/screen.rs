@@ -3,8 +3,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::geometry::position::Position;
@@ -14,9 +12,8 @@ use crate::propagation::reflection::Ray;
 
 /// A screen as written in a scenario: what a body that moves takes of links.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ScreenConfig {
     /// Its width, seen from all sides alike (m): 0.3 for a person, 4.8 for a vehicle (TR 38.901).
     #[cfg_attr(feature = "config", serde(default = "width_of_a_person_m"))]

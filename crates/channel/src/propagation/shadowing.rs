@@ -3,8 +3,6 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
 use crate::geometry::position::Position;
@@ -13,9 +11,8 @@ use crate::purpose;
 
 /// Shadowing as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ShadowingConfig {
     /// Standard deviation (dB); 0 for no shadowing. May be absent if the channel names an environment.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -27,9 +24,8 @@ pub struct ShadowingConfig {
 
 /// Which packets and links share one draw of shadowing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum CorrelationConfig {
     /// A separate draw for each packet and pair of stations (thesis, chapter 3).
     #[default]
@@ -42,9 +38,8 @@ pub enum CorrelationConfig {
 
 /// Spatial correlation as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SpatialConfig {
     /// Distance over which the correlation falls to 1/e (m).
     pub distance_m: f64,

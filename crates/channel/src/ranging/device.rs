@@ -1,7 +1,5 @@
 //! A device that measures ranges, as it is simulated.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{NodeId, Seed, SettingError, SimTime, StationId};
 
 use super::law::RangeErrorLaw;
@@ -13,9 +11,8 @@ use crate::purpose;
 ///
 /// and more behind obstacles, where the signal takes a longer way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RangingDeviceConfig {
     /// What brings a range.
     pub exchange: RangeExchangeConfig,
@@ -45,9 +42,8 @@ pub struct RangingDeviceConfig {
 
 /// What brings a range, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum RangeExchangeConfig {
     /// Each packet of a node that the robot receives, and each answer to a sector sweep.
     #[default]
@@ -58,9 +54,8 @@ pub enum RangeExchangeConfig {
 
 /// Ranges without frames as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct IdealExchangeConfig {
     /// The interval between two ranges to a node (s), above 0. The first is measured when the robot begins to listen.
     pub interval_s: f64,

@@ -271,7 +271,7 @@ fn sort_each(columns: &mut ReceptionColumns, first: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
+    use sextant_kernel::{Purpose, Seed};
 
     /// All pairs of a few nodes and stops, with entries of all kinds.
     fn entries() -> Vec<Reception> {
@@ -293,8 +293,7 @@ mod tests {
     fn build(receptions: impl IntoIterator<Item = Reception>) -> Result<ReceptionLog, LogError> {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(receptions);
-        let stops =
-            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 40];
+        let stops = vec![Stop::at(Position::ORIGIN); 40];
         builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new())
     }
 
@@ -345,8 +344,7 @@ mod tests {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(entries());
         builder.forget_from(13);
-        let stops =
-            vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }; 13];
+        let stops = vec![Stop::at(Position::ORIGIN); 13];
         let log = builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new()).unwrap();
         let kept: Vec<Reception> = entries().into_iter().filter(|r| r.stop < 13).collect();
         assert_eq!(log.receptions(), kept);

@@ -90,7 +90,6 @@ impl NetworkLogs {
 
 #[cfg(test)]
 mod tests {
-    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
     use crate::geometry::position::Position;
@@ -98,7 +97,7 @@ mod tests {
 
     /// A log of as many stops.
     fn log(network: Option<&str>, stops: usize) -> NetworkLog {
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let stop = Stop::at(Position::ORIGIN);
         let log = ReceptionLog::new(vec!["a".into()], vec![stop; stops], Vec::new(), Vec::new()).unwrap();
         NetworkLog { network: network.map(str::to_owned), log }
     }

@@ -33,6 +33,15 @@ pub struct RangeSample {
     pub range_m: f64,
 }
 
+impl RangeSample {
+    /// A range of the first robot at the start, which stands, by an antenna at the place of its path.
+    #[must_use]
+    pub fn of(node: NodeId, position: Position, range_m: f64) -> Self {
+        let (robot, mounting, velocity) = (RobotId(0), Mounting::default(), Position::ORIGIN);
+        Self { node, robot, time: SimTime::ZERO, position, mounting, velocity, range_m }
+    }
+}
+
 /// The ranges of a log by node, each node's in the order in which they were measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct RangeSamples {

@@ -134,7 +134,7 @@ fn check_heard(log: &ReceptionLog, node: NodeId, stop: u32) -> Result<(), LogErr
 
 #[cfg(test)]
 mod tests {
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_kernel::SimTime;
 
     use super::*;
     use crate::antenna::sector::EvenSectorsConfig;
@@ -143,17 +143,12 @@ mod tests {
     use crate::reception::{Reception, Stop};
 
     fn stops(nanos: &[u64]) -> Vec<Stop> {
-        let stop = |&nanos| Stop {
-            robot: RobotId(0),
-            time: SimTime::from_nanos(nanos),
-            position: Position::ORIGIN,
-            heading_rad: None,
-        };
+        let stop = |&nanos| Stop { time: SimTime::from_nanos(nanos), ..Stop::at(Position::ORIGIN) };
         nanos.iter().map(stop).collect()
     }
 
     fn heard(node: u32, stop: u32, received: u32) -> Reception {
-        Reception { node: NodeId(node), stop, received, sent: 2, sector: Some(1), rssi_dbm: None, snr_db: None }
+        Reception { sector: Some(1), ..Reception::heard(NodeId(node), stop, received, 2) }
     }
 
     fn report(node: u32, stop: u32, sector: u8) -> SectorReport {

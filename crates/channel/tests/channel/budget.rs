@@ -51,12 +51,9 @@ fn reception_is_the_upper_tail_of_a_normal_distribution() {
 fn a_metre_of_concrete_takes_twenty_decibels() {
     let config = |absorption_per_m, material: Option<&str>| ObstacleConfig {
         name: Some("wall".into()),
-        shape: upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0),
         material: material.map(Into::into),
         absorption_per_m,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::absorbing(upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0), 1.0)
     };
     let walls = [config(Some(4.6), None), config(None, Some("concrete"))];
     for wall in walls.map(|config| Obstacle::try_from(config).unwrap()) {
@@ -174,12 +171,8 @@ fn the_items_of_a_budget_are_those_of_the_closed_form() {
     .expect("a channel");
     let wall = ObstacleConfig {
         name: Some("wall".into()),
-        shape: upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0),
-        material: None,
-        absorption_per_m: Some(1.0),
         loss_db: Some(2.0),
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::absorbing(upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0), 1.0)
     };
     let channel = channel(config, vec![Obstacle::try_from(wall).unwrap()]);
     let budget = channel.budget(at(0.0, 0.0, 0.0), at(20.0, 0.0, 0.0)).unwrap();

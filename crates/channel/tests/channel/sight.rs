@@ -121,13 +121,8 @@ fn no_shadow_is_missed_and_its_ends_are_right_for_any_solid() {
 fn only_solid_obstacles_hide() {
     let views = |solid: bool| {
         let config = ObstacleConfig {
-            name: None,
-            shape: prism(&[[-3.0, 2.0], [3.0, 2.0], [0.0, 3.0]], -1.0, 2.0),
-            material: None,
-            absorption_per_m: Some(0.1),
-            loss_db: None,
             solid,
-            reflection_loss_db: None,
+            ..ObstacleConfig::absorbing(prism(&[[-3.0, 2.0], [3.0, 2.0], [0.0, 3.0]], -1.0, 2.0), 0.1)
         };
         let field = ObstacleField::new(vec![config.try_into().expect("a good obstacle")]);
         field.views(Position::ORIGIN, at(-1.0, 4.0, 0.0), at(1.0, 4.0, 0.0)).concat()

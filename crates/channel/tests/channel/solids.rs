@@ -136,15 +136,5 @@ pub(crate) fn random_place(index: u64, half_m: f64) -> Position {
 }
 
 pub(crate) fn obstacle(shape: ShapeConfig, absorption_per_m: f64) -> Obstacle {
-    ObstacleConfig {
-        name: None,
-        shape,
-        material: None,
-        absorption_per_m: Some(absorption_per_m),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    }
-    .try_into()
-    .expect("a good obstacle")
+    ObstacleConfig::absorbing(shape, absorption_per_m).try_into().expect("a good obstacle")
 }

@@ -138,27 +138,11 @@ fn measures(path: &str) -> Vec<Measure> {
     if let Ok(measure) = path.parse() {
         return vec![measure];
     }
-    let name = || vec!["NAME".to_owned()];
-    let subjects = Subjects {
-        maps: name(),
-        by_nodes: name(),
-        applications: name(),
-        searches: name(),
-        keep_links: name(),
-        has_routing: true,
-        has_way_down: true,
-        has_rpl: true,
-        has_fragments: true,
-        has_slots: true,
-        has_negotiated_cells: true,
-        has_batteries: true,
-        has_sleep: true,
-    };
     let path = path.trim();
     if path.len() < 3 {
         return Vec::new();
     }
-    all(&subjects).into_iter().filter(|measure| measure.path().contains(path)).collect()
+    all(&Subjects::every("NAME")).into_iter().filter(|measure| measure.path().contains(path)).collect()
 }
 
 fn write_measures(out: &mut impl Write, measures: &[Measure]) -> io::Result<()> {

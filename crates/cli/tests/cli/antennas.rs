@@ -4,23 +4,17 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Output;
 
 use sextant_mac::dmg::{SweepBody, SweepFrame};
 use sextant_recording::read_log;
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::sextant;
+use crate::program::call;
 
 /// The code book with the layout of a measured one.
 fn router() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/antennas/router-60ghz.csv")
-}
-
-/// Runs the program in `folder`.
-fn run(folder: &Path, words: &[&str]) -> Output {
-    sextant().current_dir(folder).args(words).output().unwrap()
 }
 
 fn text(octets: &[u8]) -> String {
@@ -36,7 +30,7 @@ fn identities() -> BTreeSet<u8> {
 fn the_gaps_of_a_measured_book_are_named_and_filled_and_its_sectors_shown() {
     let folder = TempDir::new().unwrap();
     std::fs::copy(router(), folder.path().join("router.csv")).unwrap();
-    let show = |words: &[&str]| run(folder.path(), &[&["antenna", "show", "router.csv"], words].concat());
+    let show = |words: &[&str]| call(folder.path(), &[&["antenna", "show", "router.csv"], words].concat());
     let refused = show(&["--set", "boresight_gain_dbi=15"]);
     assert_eq!(refused.status.code(), Some(2));
     let message = text(&refused.stderr);
@@ -124,7 +118,7 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     let folder = TempDir::new().unwrap();
     std::fs::copy(router(), folder.path().join("router.csv")).unwrap();
     std::fs::write(folder.path().join("a.toml"), SCENARIO).unwrap();
-    let ran = run(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]);
+    let ran = call(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]);
     assert!(ran.status.success(), "{}", text(&ran.stderr));
 
     let log = read_log(&folder.path().join("run.mcap")).unwrap().logs.first().clone();
@@ -152,14 +146,14 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     assert!(heard.is_subset(&chosen), "{heard:?} in the log, {chosen:?} in answers");
 
     // The tables of the recording have the same numbers.
-    let exported = run(folder.path(), &["export", "run.mcap", "--out", "tables"]);
+    let exported = call(folder.path(), &["export", "run.mcap", "--out", "tables"]);
     assert!(exported.status.success(), "{}", text(&exported.stderr));
     let sectors = std::fs::read_to_string(folder.path().join("tables/sectors.csv")).unwrap();
     let of_table: BTreeSet<u8> =
         sectors.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
     assert_eq!(of_table, identities());
     // Mapping the recording uses the same sectors as the run did.
-    let mapped = run(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]);
+    let mapped = call(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]);
     assert!(mapped.status.success(), "{}", text(&mapped.stderr));
 
     if let Some(program) = tshark() {
@@ -179,26 +173,26 @@ fn a_measurement_becomes_a_code_book_that_is_never_its_own_input() {
     let wide = (0..36).map(|step| format!("{},{},{}\n", 10 * step, step % 7 - 3, -(step % 5)));
     let table = format!("phi,S4,S60\n{}", wide.collect::<String>());
     std::fs::write(folder.path().join("tool.csv"), &table).unwrap();
-    let unknown = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
+    let unknown = call(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
     assert!(
         unknown.status.code() == Some(2) && text(&unknown.stderr).contains("--unit dbi"),
         "{}",
         text(&unknown.stderr)
     );
-    let converted = run(folder.path(), &["antenna", "convert", "tool.csv", "book.csv", "--unit", "db"]);
+    let converted = call(folder.path(), &["antenna", "convert", "tool.csv", "book.csv", "--unit", "db"]);
     assert!(converted.status.success(), "{}", text(&converted.stderr));
     let told = text(&converted.stdout);
     assert!(told.contains("book.csv: 2 sectors, 36 directions, 0 gaps in `gain_db`"), "{told}");
     assert!(told.contains("code_book = { file = \"book.csv\", boresight_gain_dbi = GAIN }"), "{told}");
     assert!(text(&converted.stderr).contains("a planar cut at elevation 0"), "{}", text(&converted.stderr));
-    let shown = run(folder.path(), &["antenna", "show", "book.csv", "--set", "boresight_gain_dbi=12"]);
+    let shown = call(folder.path(), &["antenna", "show", "book.csv", "--set", "boresight_gain_dbi=12"]);
     assert!(shown.status.success() && text(&shown.stdout).contains("60  "), "{}", text(&shown.stderr));
-    let code = |words: &[&str]| run(folder.path(), &[&["antenna", "convert"], words].concat()).status.code();
+    let code = |words: &[&str]| call(folder.path(), &[&["antenna", "convert"], words].concat()).status.code();
     assert_eq!(code(&["tool.csv", "tool.csv", "--unit", "db", "--force"]), Some(2));
     assert_eq!(code(&["tool.csv", "book.csv", "--unit", "db"]), Some(2), "it exists");
     assert_eq!(code(&["tool.csv", "book.csv", "--force", "--unit", "dbi"]), Some(0));
     assert_eq!(std::fs::read_to_string(folder.path().join("tool.csv")).unwrap(), table);
-    let unknown = run(folder.path(), &["antenna", "convert", "tool.csv", "b.csv", "--azimuth", "angle"]);
+    let unknown = call(folder.path(), &["antenna", "convert", "tool.csv", "b.csv", "--azimuth", "angle"]);
     let message = text(&unknown.stderr);
     assert!(message.contains("found the columns `phi`, `S4`, `S60`") && message.contains("--azimuth"), "{message}");
 }
@@ -222,7 +216,7 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
     for (name, table) in [("spherical.csv", &spherical), ("radians.csv", &radians), ("half.csv", &half)] {
         std::fs::write(folder.path().join(name), table).unwrap();
     }
-    let convert = |words: &[&str]| run(folder.path(), &[&["antenna", "convert"], words].concat());
+    let convert = |words: &[&str]| call(folder.path(), &[&["antenna", "convert"], words].concat());
     let converted = convert(&["spherical.csv", "book.csv"]);
     assert!(converted.status.success(), "{}", text(&converted.stderr));
     let book = std::fs::read_to_string(folder.path().join("book.csv")).unwrap();
@@ -246,12 +240,12 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         book += &format!("0,{:.5},0,{}\n", f64::from(10 * step - 180).to_radians(), step % 7 - 3);
     }
     std::fs::write(folder.path().join("rad.csv"), book).unwrap();
-    let shown = run(folder.path(), &["antenna", "show", "rad.csv", "--set", "outside_gain_dbi=-20"]);
+    let shown = call(folder.path(), &["antenna", "show", "rad.csv", "--set", "outside_gain_dbi=-20"]);
     let message = text(&shown.stderr);
     assert!(shown.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
     let scenario = SCENARIO.replace("router.csv", "rad.csv").replace("gaps = \"interpolate\"\n", "");
     std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let checked = run(folder.path(), &["check", "a.toml"]);
+    let checked = call(folder.path(), &["check", "a.toml"]);
     let message = text(&checked.stderr);
     assert!(checked.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
 }

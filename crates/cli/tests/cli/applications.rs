@@ -12,7 +12,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{inspect, read_run, read_world};
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{Said, number, run_text, sextant};
 
 /// 36 nodes a metre and a half apart, which always listen.
 const NODES: &str = r#"
@@ -80,21 +80,6 @@ fn seeking() -> String {
     [NODES, FIELD, AGENT, SEEKING].concat()
 }
 
-/// Runs a scenario to `run.mcap` in a new folder, and returns the folder and the summary.
-fn run(scenario: &str, words: &[&str]) -> (TempDir, Value) {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let arguments = ["run", "a.toml", "--out", "run.mcap", "--summary", "run.json", "--quiet"];
-    let output = sextant().current_dir(folder.path()).args(arguments).args(words).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let summary = std::fs::read(folder.path().join("run.json")).unwrap();
-    (folder, serde_json::from_slice(&summary).unwrap())
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
-
 /// Number of messages on each topic of a recording.
 fn topics(folder: &TempDir) -> BTreeMap<String, u64> {
     let topics = inspect(&folder.path().join("run.mcap")).unwrap().topics;
@@ -103,7 +88,7 @@ fn topics(folder: &TempDir) -> BTreeMap<String, u64> {
 
 #[test]
 fn robots_arrive_at_the_level_of_a_field() {
-    let (_folder, summary) = run(&seeking(), &[]);
+    let (_folder, summary) = run_text(&seeking(), &[]);
     let applications = summary["applications"].as_array().unwrap();
     assert_eq!(applications.len(), 2);
     for (application, name, algorithm) in
@@ -144,7 +129,7 @@ fn robots_that_survey_take_part_beside_agents_unless_others_are_named() {
         ("robots = [\"agent\"]", &["agent"]),
         ("robots = [\"surveyor\"]", &["surveyor"]),
     ] {
-        let (folder, summary) = run(&scenario(robots), &[]);
+        let (folder, summary) = run_text(&scenario(robots), &[]);
         let found = summary["applications"][0]["robots"].as_array().unwrap();
         let names: Vec<&str> = found.iter().map(|robot| robot["name"].as_str().unwrap()).collect();
         assert_eq!(names, expected, "{robots}");
@@ -156,7 +141,7 @@ fn robots_that_survey_take_part_beside_agents_unless_others_are_named() {
 
 #[test]
 fn a_recording_has_a_phase_for_each_application() {
-    let (folder, summary) = run(&seeking(), &[]);
+    let (folder, summary) = run_text(&seeking(), &[]);
     let topics = topics(&folder);
     for (topic, least) in [
         ("/application/gradient", 1),
@@ -200,7 +185,7 @@ fn a_recording_has_a_phase_for_each_application() {
 
 #[test]
 fn figures_show_the_field_with_the_level_and_the_path() {
-    let (folder, _) = run(&seeking(), &[]);
+    let (folder, _) = run_text(&seeking(), &[]);
     let figures = |words: &[&str]| {
         let output =
             sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).args(words).output();
@@ -223,7 +208,8 @@ fn figures_show_the_field_with_the_level_and_the_path() {
 
 #[test]
 fn the_number_of_threads_changes_no_byte() {
-    let bytes = |threads| std::fs::read(run(&seeking(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
+    let bytes =
+        |threads| std::fs::read(run_text(&seeking(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
     assert!(bytes("1") == bytes("2"));
 }
 
@@ -232,7 +218,7 @@ fn a_robot_surveys_then_uses_its_map_from_where_the_survey_ended() {
     let applied =
         SEEKING.split("[[applications]]").nth(1).unwrap().replace("map.physical = {}", "map.computed = \"heard\"");
     let scenario = [NODES, FIELD, "\n", SURVEY, "[[applications]]", &applied].concat();
-    let (folder, summary) = run(&scenario, &[]);
+    let (folder, summary) = run_text(&scenario, &[]);
     let application = &summary["applications"][0];
     assert_eq!((&application["map"], &application["arrived"]), (&"heard".into(), &true.into()));
     let map_error_m = number(&application["map_error_m"]);
@@ -258,8 +244,7 @@ fn a_robot_surveys_then_uses_its_map_from_where_the_survey_ended() {
     let scenario = [NODES, FIELD, "\n", AGENT, "[[applications]]", &from_file].concat();
     std::fs::write(folder.path().join("b.toml"), scenario).unwrap();
     let arguments = ["run", "b.toml", "--out", "b.mcap", "--summary", "b.json", "--quiet"];
-    let output = sextant().current_dir(folder.path()).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().current_dir(folder.path()).args(arguments).output().unwrap().printed();
     let of_file = crate::program::summary(&folder.path().join("b.json"))["applications"][0].clone();
     assert_eq!(of_file["map"], "heard.csv");
     assert!((number(&of_file["map_error_m"]) - map_error_m).abs() < 1e-9, "{of_file}");
@@ -271,7 +256,7 @@ fn a_map_from_neighbours_alone_needs_no_survey() {
     let map = "[[maps]]\nalgorithm.tpm = {}\n[[applications]]";
     let applied =
         SEEKING.split("[[applications]]").nth(1).unwrap().replace("map.physical = {}", "map.computed = \"tpm\"");
-    let (folder, summary) = run(&[NODES, FIELD, AGENT, map, &applied].concat(), &[]);
+    let (folder, summary) = run_text(&[NODES, FIELD, AGENT, map, &applied].concat(), &[]);
     let application = &summary["applications"][0];
     assert_eq!(application["map"], "tpm");
     assert!(number(&application["map_error_m"]) > 0.0 && number(&application["own_place_error_m"]["mean"]) < 4.0);
@@ -285,7 +270,7 @@ fn odometry_that_has_erred_in_the_survey_errs_on() {
     let erring =
         SURVEY.replace("listen_while_driving = true", "listen_while_driving = true\nodometry.scale_error = 0.05");
     let applied = SEEKING.split("[[applications]]").nth(1).unwrap();
-    let (folder, summary) = run(&[NODES, FIELD, "\n", &erring, "[[applications]]", applied].concat(), &[]);
+    let (folder, summary) = run_text(&[NODES, FIELD, "\n", &erring, "[[applications]]", applied].concat(), &[]);
     assert_eq!(summary["applications"][0]["arrived"], true);
     let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     let start = drawn.applications[0].paths[0].1[0];
@@ -313,7 +298,7 @@ fn a_sweep_has_columns_of_each_application() {
     assert!((value(1, "applications.gradient.level") - 6.0).abs() < 1e-12);
     assert!(value(1, "applications.gradient.arrived") > 0.5);
     assert!(!rows[0].contains(&"applications.gradient.captured"), "no run has a value");
-    let (_folder, summary) = run(&seeking(), &[]);
+    let (_folder, summary) = run_text(&seeking(), &[]);
     assert!((value(2, "applications.law.time_s") - number(&summary["applications"][1]["time_s"])).abs() < 1e-9);
 }
 

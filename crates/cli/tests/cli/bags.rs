@@ -7,7 +7,8 @@ use std::path::Path;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, BagClock, BagOptions, FieldNames, FormOptions, ReadOptions, RobotLog};
 
-use super::drive::{assert_holds, kept, map, options, unwrapped};
+use super::drive::{assert_holds, kept, map, options};
+use super::program::{Said, unwrapped};
 
 fn read(name: &str, options: &ReadOptions) -> Result<RobotLog, String> {
     robot_log::read(&kept("bags").join(name), options).map_err(|error| error.to_string())
@@ -271,8 +272,7 @@ fn a_bag_is_mapped_and_a_recording_is_told_from_it() {
     let recording = folder.path().join("run.mcap");
     let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/smoke.toml");
     let mut run = assert_cmd::cargo::cargo_bin_cmd!("sextant");
-    let output = run.arg("run").arg(smoke).arg("--out").arg(&recording).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run.arg("run").arg(smoke).arg("--out").arg(&recording).output().unwrap().printed();
     let (code, _, stderr) = map(&recording, &[]);
     assert_eq!(code, 0, "{stderr}");
     let (code, _, stderr) = map(&recording, &["--pose-topic", "/odom"]);

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 /// The rows of a table without quoted cells, after its header.
 fn rows(text: &str) -> Vec<Vec<&str>> {
@@ -14,8 +14,7 @@ fn rows(text: &str) -> Vec<Vec<&str>> {
 
 /// Runs a command that must succeed.
 fn runs(command: &mut Command) {
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    command.output().expect("it starts").printed();
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{self, sextant, signal};
+use crate::program::{self, Said, sextant, signal};
 use crate::sweep::SWEEP;
 
 /// A folder with a scenario, which extends another one that names a table of nodes, and its plan in `plan`.
@@ -53,7 +53,7 @@ impl Study {
     fn plan(&self, arguments: &[&str]) -> String {
         let mut command = sextant();
         command.arg("sweep").arg(self.scenario()).arg("--plan").arg(self.file("plan")).args(arguments);
-        printed(&command.output().expect("it starts"))
+        command.output().expect("it starts").printed()
     }
 
     /// Calls `sextant sweep PLAN` with these arguments.
@@ -63,20 +63,20 @@ impl Study {
 
     fn status(&self) -> Value {
         let status: Value =
-            serde_json::from_str(&printed(&self.on_plan(&["--status", "--format", "json"]))).expect("JSON");
+            serde_json::from_str(&self.on_plan(&["--status", "--format", "json"]).printed()).expect("JSON");
         status["plan"].clone()
     }
 
     /// The table of a local sweep.
     fn local(&self) -> Vec<u8> {
         let out = self.file("local.csv");
-        printed(&sextant().arg("sweep").arg(self.scenario()).arg("--out").arg(&out).output().expect("it starts"));
+        sextant().arg("sweep").arg(self.scenario()).arg("--out").arg(&out).output().expect("it starts").printed();
         fs::read(out).expect("a table")
     }
 
     fn collected(&self) -> Vec<u8> {
         let out = self.file("collected.csv");
-        printed(&self.on_plan(&["--collect", "--force", "--out", out.to_str().expect("UTF-8")]));
+        self.on_plan(&["--collect", "--force", "--out", out.to_str().expect("UTF-8")]).printed();
         fs::read(out).expect("a table")
     }
 
@@ -88,19 +88,6 @@ impl Study {
         names.sort();
         names
     }
-}
-
-fn printed(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-/// The message of a call that must be refused as bad input.
-fn refused(output: &Output) -> String {
-    let message = String::from_utf8_lossy(&output.stderr).replace('│', "");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    message
 }
 
 #[test]
@@ -117,16 +104,16 @@ fn parts_done_elsewhere_give_the_table_of_a_local_sweep() {
     fs::rename(study.file("plan"), study.file("moved")).unwrap();
     fs::remove_dir_all(study.file("study")).unwrap();
     fs::rename(study.file("moved"), study.file("plan")).unwrap();
-    let message = refused(&study.on_plan(&["--cells", "0..9"]));
+    let message = study.on_plan(&["--cells", "0..9"]).refusal();
     assert!(message.contains("there are no runs 0..9; the plan has the runs 0..8"), "{message}");
-    assert_eq!(printed(&study.on_plan(&["--cells", "5..8"])), "5..8: 3 runs done now, 0 before\n");
+    assert_eq!(study.on_plan(&["--cells", "5..8"]).printed(), "5..8: 3 runs done now, 0 before\n");
     let missing = study.on_plan(&["--collect"]);
     assert_eq!(missing.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&missing.stderr).contains("5 of 8 runs are missing: 0..5"), "{missing:?}");
-    printed(&study.on_plan(&["--cells", "0..5", "--threads", "1"]));
+    study.on_plan(&["--cells", "0..5", "--threads", "1"]).printed();
     assert_eq!(study.parts(), ["000000000-000000005.csv", "000000005-000000008.csv"]);
     assert_eq!(study.collected(), local);
-    let message = refused(&study.on_plan(&["--collect", "--out", study.file("collected.csv").to_str().unwrap()]));
+    let message = study.on_plan(&["--collect", "--out", study.file("collected.csv").to_str().unwrap()]).refusal();
     assert!(message.contains("collected.csv` exists") && message.contains("--force"), "{message}");
     let status = study.status();
     assert_eq!((&status["done"], &status["missing"]), (&4.into(), &0.into()));
@@ -138,11 +125,11 @@ fn parts_done_elsewhere_give_the_table_of_a_local_sweep() {
 #[test]
 fn a_part_can_be_done_twice_and_only_what_failed_is_done_again() {
     let study = Study::planned(SWEEP);
-    printed(&study.on_plan(&["--cells", "0..8"]));
+    study.on_plan(&["--cells", "0..8"]).printed();
     let first = study.collected();
-    let again = printed(&study.on_plan(&["--cells", "0..8"]));
+    let again = study.on_plan(&["--cells", "0..8"]).printed();
     assert_eq!(again, "0..8: 4 runs done now, 4 before\n", "those that failed are done again");
-    let overlapping = printed(&study.on_plan(&["--cells", "3..7"]));
+    let overlapping = study.on_plan(&["--cells", "3..7"]).printed();
     assert!(overlapping.ends_with("2 before\n"), "{overlapping}");
     assert_eq!(study.collected(), first);
     assert_eq!(study.parts(), ["000000000-000000008.csv", "000000003-000000007.csv"]);
@@ -155,7 +142,7 @@ fn two_processes_can_do_the_same_part() {
     let start = || sextant().arg("sweep").arg(&plan).args(["--cells", "0..8"]).spawn().expect("it starts");
     let children = [start(), start(), start()];
     for child in children {
-        printed(&child.wait_with_output().expect("a child"));
+        child.wait_with_output().expect("a child").printed();
     }
     assert_eq!(study.parts(), ["000000000-000000008.csv"]);
     assert_eq!(study.collected(), study.local());
@@ -186,20 +173,20 @@ fn a_signal_keeps_what_is_done_and_the_code_says_which() {
         assert_eq!(study.parts(), ["000000000-000000004.unfinished-001.csv"], "{name}");
         let status = study.status();
         assert_eq!((&status["done"], &status["missing_runs"][0]), (&3.into(), &"3..4".into()), "{name}");
-        assert_eq!(printed(&study.on_plan(&["--cells", "0..3"])), "0..3: 0 runs done now, 3 before\n", "{name}");
+        assert_eq!(study.on_plan(&["--cells", "0..3"]).printed(), "0..3: 0 runs done now, 3 before\n", "{name}");
     }
 }
 
 #[test]
 fn foreign_and_changed_files_are_refused() {
     let study = Study::planned(SWEEP);
-    printed(&study.on_plan(&["--cells", "0..2"]));
+    study.on_plan(&["--cells", "0..2"]).printed();
     let part = study.file("plan/parts/000000000-000000002.csv");
     let good = fs::read_to_string(&part).unwrap();
     let try_part = |text: &str, expected: &str| {
         fs::write(&part, text).unwrap();
         for arguments in [&["--status"][..], &["--collect"], &["--cells", "0..4"]] {
-            let message = refused(&study.on_plan(arguments));
+            let message = study.on_plan(arguments).refusal();
             assert!(message.contains(expected), "{arguments:?}: {message}");
         }
     };
@@ -212,7 +199,7 @@ fn foreign_and_changed_files_are_refused() {
     let nodes = study.file("plan/files/nodes.csv");
     let kept = fs::read(&nodes).unwrap();
     fs::write(&nodes, "node,x_m,y_m,z_m\n").unwrap();
-    let message = refused(&study.on_plan(&["--status"]));
+    let message = study.on_plan(&["--status"]).refusal();
     assert!(message.contains("nodes.csv` was changed since the plan was made"), "{message}");
     fs::write(&nodes, kept).unwrap();
 
@@ -222,7 +209,7 @@ fn foreign_and_changed_files_are_refused() {
         assert_eq!(text.matches(key).count(), 1, "{key} in {text}");
         let before = &key[..key.len() - 1];
         fs::write(&plan, text.replace(key, &format!("{before}{found}"))).unwrap();
-        let message = refused(&study.on_plan(&["--status"]));
+        let message = study.on_plan(&["--status"]).refusal();
         assert!(message.contains("plan.json` was changed since the plan was made"), "{found}: {message}");
     }
     fs::write(
@@ -230,23 +217,23 @@ fn foreign_and_changed_files_are_refused() {
         text.replace(&format!("\"version\":\"{}\"", env!("CARGO_PKG_VERSION")), "\"version\":\"0.0.1\""),
     )
     .unwrap();
-    let message = refused(&study.on_plan(&["--cells", "0..2"]));
+    let message = study.on_plan(&["--cells", "0..2"]).refusal();
     assert!(message.contains("is of version 0.0.1; this is version"), "{message}");
     fs::write(&plan, "{").unwrap();
-    assert!(refused(&study.on_plan(&["--status"])).contains("has no plan: `plan.json`"));
+    assert!(study.on_plan(&["--status"]).refusal().contains("has no plan: `plan.json`"));
 }
 
 #[test]
 fn the_runs_of_a_damaged_part_are_done_again() {
     let study = Study::planned(SWEEP);
-    printed(&study.on_plan(&["--cells", "0..2"]));
+    study.on_plan(&["--cells", "0..2"]).printed();
     let part = study.file("plan/parts/000000000-000000002.csv");
     let good = fs::read_to_string(&part).unwrap();
     for damaged in [good[..good.len() - 2].to_owned(), good.replacen(",0.", ",1.", 1)] {
         assert_ne!(damaged, good);
         fs::write(&part, &damaged).unwrap();
         assert_eq!((&study.status()["done"], &study.status()["missing_runs"][0]), (&0.into(), &"0..8".into()));
-        assert_eq!(printed(&study.on_plan(&["--cells", "0..2"])), "0..2: 2 runs done now, 0 before\n");
+        assert_eq!(study.on_plan(&["--cells", "0..2"]).printed(), "0..2: 2 runs done now, 0 before\n");
         let rows = |text: &str| text.lines().skip(2).map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(rows(&fs::read_to_string(&part).unwrap()), rows(&good));
     }
@@ -265,14 +252,14 @@ fn a_plan_is_made_only_where_nothing_is_lost() {
             .output()
             .expect("it starts")
     };
-    printed(&study.on_plan(&["--cells", "0..2"]));
-    assert!(refused(&again(&study.file("plan"), &[])).contains("there is a plan in"));
-    let message = refused(&again(&study.file("study"), &["--force"]));
+    study.on_plan(&["--cells", "0..2"]).printed();
+    assert!(again(&study.file("plan"), &[]).refusal().contains("there is a plan in"));
+    let message = again(&study.file("study"), &["--force"]).refusal();
     assert!(message.contains("is not empty: it has"), "{message}");
-    printed(&again(&study.file("plan"), &["--force", "--no-trial"]));
+    again(&study.file("plan"), &["--force", "--no-trial"]).printed();
     assert!(study.parts().is_empty());
     fs::write(study.file("plan/mine.txt"), "mine").unwrap();
-    assert!(refused(&again(&study.file("plan"), &["--force"])).contains("it has `mine.txt`"));
+    assert!(again(&study.file("plan"), &["--force"]).refusal().contains("it has `mine.txt`"));
     assert!(study.file("plan/plan.json").is_file());
 }
 
@@ -282,24 +269,24 @@ fn wrong_words_are_told_apart() {
     let on_file = |arguments: &[&str]| sextant().arg("sweep").arg(study.scenario()).args(arguments).output().unwrap();
     for arguments in [&["--cells", "0..1"][..], &["--status"], &["--collect"], &["--cancel"], &["--submit", "slurm"]]
     {
-        let message = refused(&on_file(arguments));
+        let message = on_file(arguments).refusal();
         assert!(message.contains(&format!("`{}` needs that of a plan", arguments[0])), "{message}");
     }
-    assert!(refused(&study.on_plan(&[])).contains("is a plan; say what is to be done with it"));
-    assert!(refused(&study.on_plan(&["--cells", "0..1", "--seed", "4"])).contains("`--seed` cannot change a plan"));
-    assert!(refused(&study.on_plan(&["--cells", "4..4"])).contains("expected A..B with A < B"));
-    assert!(refused(&study.on_plan(&["--status", "--collect"])).contains("cannot be used with"));
-    assert!(refused(&study.on_plan(&["--resume"])).contains("was never submitted"));
+    assert!(study.on_plan(&[]).refusal().contains("is a plan; say what is to be done with it"));
+    assert!(study.on_plan(&["--cells", "0..1", "--seed", "4"]).refusal().contains("`--seed` cannot change a plan"));
+    assert!(study.on_plan(&["--cells", "4..4"]).refusal().contains("expected A..B with A < B"));
+    assert!(study.on_plan(&["--status", "--collect"]).refusal().contains("cannot be used with"));
+    assert!(study.on_plan(&["--resume"]).refusal().contains("was never submitted"));
     let folder = study.file("study");
     let output = sextant().arg("sweep").arg(folder).arg("--status").output().unwrap();
-    assert!(refused(&output).contains("has no plan: there is no file `plan.json`"));
+    assert!(output.refusal().contains("has no plan: there is no file `plan.json`"));
 }
 
 #[test]
 fn a_submission_that_was_cut_off_stops_only_other_submissions() {
     let study = Study::planned(SWEEP);
     fs::create_dir_all(study.file("plan/slurm/000001")).unwrap();
-    let printed = printed(&study.on_plan(&["--status"]));
+    let printed = study.on_plan(&["--status"]).printed();
     assert!(printed.contains("submission 000001: no job yet; if it was cut off, remove slurm/000001"), "{printed}");
     let resumed = study.on_plan(&["--resume"]);
     assert_eq!(resumed.status.code(), Some(1));
@@ -315,7 +302,7 @@ fn a_file_that_cannot_move_is_refused() {
         .unwrap();
     let mut command = sextant();
     command.arg("sweep").arg(study.scenario()).arg("--plan").arg(study.file("plan")).arg("--no-trial");
-    let message = refused(&command.output().unwrap());
+    let message = command.output().unwrap().refusal();
     assert!(message.contains("allowed in a plan: paths relative to the scenario"), "{message}");
     assert!(!study.file("plan/plan.json").exists());
 }

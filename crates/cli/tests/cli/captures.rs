@@ -8,8 +8,9 @@ use std::path::Path;
 
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog};
 
-use super::drive::{assert_holds, kept, map, options, path_csv, unwrapped};
+use super::drive::{assert_holds, kept, map, options, path_csv};
 use super::pcap::tshark;
+use super::program::unwrapped;
 
 const NAMES: [&str; 3] = ["0x0001", "00:12:4b:00:01:02:03:04", "0x0003"];
 /// Of the first time of the path (ns).

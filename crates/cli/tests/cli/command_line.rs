@@ -4,10 +4,10 @@ use std::process::{Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 
+use crate::program::{Said, sextant};
+
 fn stdout(words: &[&str]) -> String {
-    let output = cargo_bin_cmd!("sextant").args(words).env("NO_COLOR", "1").output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("the output is text")
+    sextant().args(words).output().expect("the program starts").printed()
 }
 
 #[test]

@@ -1,12 +1,10 @@
 //! Maps that nodes compute themselves, from a scenario to the summary, the recording, the figures and a sweep.
 
-#![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
-
 use serde_json::Value;
 use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{Said, check_text, number, run_text, sextant};
 
 /// 60 nodes in a greenhouse, of which nine know their place.
 const NODES: &str = r#"
@@ -70,42 +68,9 @@ fn mobile_anchor() -> String {
     [NODES, MILLIMETRE_WAVES, &mapping, ROBOT].concat()
 }
 
-/// Runs a scenario to `run.mcap` in a new folder, and returns the folder and the summary.
-fn run(scenario: &str, words: &[&str]) -> (TempDir, Value) {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let mut command = sextant();
-    command.current_dir(folder.path()).args([
-        "run",
-        "a.toml",
-        "--out",
-        "run.mcap",
-        "--summary",
-        "run.json",
-        "--quiet",
-    ]);
-    let output = command.args(words).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let summary = std::fs::read(folder.path().join("run.json")).unwrap();
-    (folder, serde_json::from_slice(&summary).unwrap())
-}
-
-/// What `check` says of an invalid scenario.
-fn refused(scenario: &str) -> String {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let output = sextant().current_dir(folder.path()).args(["check", "a.toml"]).output().unwrap();
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
-
 #[test]
 fn nodes_with_static_anchors_place_themselves() {
-    let (folder, summary) = run(&static_anchors(), &[]);
+    let (folder, summary) = run_text(&static_anchors(), &[]);
     let map = &summary["maps"][0];
     assert_eq!((&map["algorithm"], &map["mapped"]), (&"dmmtm-ss".into(), &60.into()));
     // A guess in the middle of the box would be 2.4 m off on average.
@@ -134,8 +99,7 @@ fn nodes_with_static_anchors_place_themselves() {
     let new = usize::try_from(work["anchors"]["new"].as_u64().unwrap()).unwrap();
     assert_eq!((of(NodeRole::InitialAnchor), of(NodeRole::NewAnchor)), (9, new));
 
-    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap().printed();
     let figure = |name: &str| std::fs::read_to_string(folder.path().join("f").join(name)).unwrap();
     assert!(figure("map-dmmtm-ss.svg").contains("anchor from the beginning"));
     assert!(figure("neighbour-scattering.svg").contains("error of neighbour scattering"));
@@ -143,8 +107,8 @@ fn nodes_with_static_anchors_place_themselves() {
 
 #[test]
 fn a_mobile_anchor_is_heard_and_helps() {
-    let (_, alone) = run(&static_anchors(), &[]);
-    let (folder, summary) = run(&mobile_anchor(), &[]);
+    let (_, alone) = run_text(&static_anchors(), &[]);
+    let (folder, summary) = run_text(&mobile_anchor(), &[]);
     let map = &summary["maps"][0];
     assert_eq!(map["algorithm"], "dmmtm-hs");
     let mobile = &map["distributed"]["mobile"];
@@ -173,7 +137,7 @@ algorithm.mmtm = { grid_step_m = 0.5, z_range_m = [0.0, 2.0], profile.trapezoid 
 ";
     // The robot drives above the nodes, whose beams are high enough to answer it.
     let nodes = static_anchors().replacen("vertical_width_deg = 50.0\n", "vertical_width_deg = 170.0\n", 1);
-    let (_folder, summary) = run(&[&nodes, survey].concat(), &[]);
+    let (_folder, summary) = run_text(&[&nodes, survey].concat(), &[]);
     let maps = summary["maps"].as_array().unwrap();
     let names: Vec<_> = maps.iter().map(|map| map["algorithm"].as_str().unwrap()).collect();
     assert_eq!(names, ["dmmtm-ss", "mmtm"]);
@@ -181,7 +145,7 @@ algorithm.mmtm = { grid_step_m = 0.5, z_range_m = [0.0, 2.0], profile.trapezoid 
     assert_eq!(summary["gathering"]["stops"], 4);
     // No map of what robots hear is made without a robot that surveys.
     let map = survey.split("[[maps]]").nth(1).unwrap();
-    let without = refused(&[&static_anchors(), "[[maps]]", map].concat());
+    let without = check_text(&[&static_anchors(), "[[maps]]", map].concat(), &[]);
     assert!(without.contains("no surveying robot"), "{without}");
 }
 
@@ -215,7 +179,7 @@ sensitivity_dbm = -60.0
     let nodes = NODES.split("[radio]").next().unwrap();
     let of = |network: &str| {
         let mapping = MAPPING.replace("range_m = 5.0\n[", &format!("range_m = 5.0\nnetwork = \"{network}\"\n["));
-        let (_folder, summary) = run(&[nodes, networks, &waves, &mapping].concat(), &[]);
+        let (_folder, summary) = run_text(&[nodes, networks, &waves, &mapping].concat(), &[]);
         summary["maps"][0].clone()
     };
     let (rf, mmwave) = (of("rf"), of("mmwave"));
@@ -232,8 +196,8 @@ fn anchors_that_give_up_wrong_places_are_counted() {
     let scenario =
         [NODES, MILLIMETRE_WAVES, &doubting].concat().replace("anchors.share = 0.15", "anchors.share = 0.5");
     let lies = "[faults.lying_anchors]\nshare = 0.1\ndistance_m = 4.0\n";
-    let (_folder, honest) = run(&scenario, &[]);
-    let (_folder, lying) = run(&[&scenario, lies].concat(), &[]);
+    let (_folder, honest) = run_text(&scenario, &[]);
+    let (_folder, lying) = run_text(&[&scenario, lies].concat(), &[]);
     let gave_up = |summary: &Value| number(&summary["maps"][0]["distributed"]["anchors"]["gave_up"]);
     assert_eq!(lying["faults"]["lying_anchors"].as_array().unwrap().len(), 3);
     assert!(
@@ -246,7 +210,8 @@ fn anchors_that_give_up_wrong_places_are_counted() {
 
 #[test]
 fn the_number_of_threads_changes_no_byte() {
-    let bytes = |threads| std::fs::read(run(&mobile_anchor(), &["--threads", threads]).0.path().join("run.mcap"));
+    let bytes =
+        |threads| std::fs::read(run_text(&mobile_anchor(), &["--threads", threads]).0.path().join("run.mcap"));
     assert!(bytes("1").unwrap() == bytes("2").unwrap());
 }
 
@@ -254,11 +219,11 @@ fn the_number_of_threads_changes_no_byte() {
 fn packets_without_sectors_are_evidence_of_distance_alone() {
     let packets = "channel = { environment = \"light-tree\", max_range_m = 5.0, path_loss.log_distance.reference_loss_db = 0.0 }\nmac.csma_unslotted.rx_on_when_idle = true\n";
     let scenario = [packets, NODES, MAPPING].concat().replace("20.0\nsens", "-50.0\nsens").replace("-60.0", "-90.0");
-    let (_, summary) = run(&scenario, &[]);
+    let (_, summary) = run_text(&scenario, &[]);
     let work = &summary["maps"][0]["distributed"];
     assert_eq!((&work["messages"]["place"], &work["messages"]["report"]), (&0.into(), &0.into()));
     assert!(work["orientation_error_deg"].is_null() && number(&work["frames_received_mean"]) > 5.0, "{work}");
-    let deaf = refused(&scenario.replace("rx_on_when_idle = true", "rx_on_when_idle = false"));
+    let deaf = check_text(&scenario.replace("rx_on_when_idle = true", "rx_on_when_idle = false"), &[]);
     assert!(deaf.contains("`mac.csma_unslotted.rx_on_when_idle` is false"), "{deaf}");
 }
 
@@ -269,7 +234,7 @@ fn nodes_that_hear_nobody_are_named() {
         .replace("anchors.share = 0.15", "anchors.names = [\"n0\", \"n1\", \"n2\", \"n3\"]")
         .replace("max_range_m = 5.0", "max_range_m = 1.2")
         .replace("[distributed_mapping]", "[distributed_mapping]\nmax_iterations = 1");
-    let (folder, summary) = run(&scenario, &["--format", "text"]);
+    let (folder, summary) = run_text(&scenario, &["--format", "text"]);
     let map = &summary["maps"][0];
     let unplaced = map["distributed"]["unplaced"].as_array().unwrap();
     assert_eq!(Some(unplaced.len() as u64), map["unmapped"].as_u64());
@@ -347,7 +312,7 @@ fn invalid_tables_are_refused_at_their_key() {
             "fewer rings, so that the message has at most 964 octets",
         ),
     ] {
-        let said = refused(&scenario);
+        let said = check_text(&scenario, &[]);
         let said: Vec<_> = said.split_whitespace().filter(|word| *word != "│").collect();
         let said = said.join(" ");
         assert!(said.contains(key) && said.contains(allowed), "{key}: {said}");

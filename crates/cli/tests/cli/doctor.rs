@@ -6,13 +6,13 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
 use sextant_kernel::{Purpose, Seed};
 use sextant_logs::{self as robot_log, PacketDelay, ReadOptions, RobotLog};
 use tempfile::TempDir;
 
-use super::drive::{kept, unwrapped};
+use super::drive::kept;
+use super::program::{Said, call, unwrapped};
 
 /// Places of the nodes of a hall of 12 by 8 m.
 const NODES: [(&str, f64, f64); 8] = [
@@ -117,9 +117,8 @@ fn checks(log: &RobotLog) -> Vec<&'static str> {
 
 /// Exit code, standard output and standard error of `sextant WORDS` in `folder`.
 fn sextant(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let output = cargo_bin_cmd!("sextant").args(words).current_dir(folder).env("NO_COLOR", "1").output().unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), unwrapped(&text(output.stderr)))
+    let (code, printed, message) = call(folder, words).all();
+    (code, printed, unwrapped(&message))
 }
 
 #[test]

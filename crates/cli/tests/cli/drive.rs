@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_logs::{ReadOptions, RobotLog, StopRule};
-use tempfile::TempDir;
+
+use super::program::{Said, sextant};
 
 /// The seconds in which each node is heard, two times each.
 const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];
@@ -17,15 +18,6 @@ const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];
 /// A file that is kept beside the tests.
 pub(crate) fn kept(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli").join(name)
-}
-
-/// A folder with these files.
-pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    folder
 }
 
 /// Stops of a second each, in which each node sends two packets.
@@ -75,14 +67,5 @@ pub(crate) fn path_csv(start_ns: u32) -> String {
 
 /// Runs `sextant map LOG WORDS`; returns exit code, standard output and standard error.
 pub(crate) fn map(log: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("sextant");
-    command.arg("map").arg(log).args(words).env("NO_COLOR", "1");
-    let output = command.output().unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-/// `text` as one line, without the signs that wrap it.
-pub(crate) fn unwrapped(text: &str) -> String {
-    text.split_whitespace().filter(|word| !["│", "×"].contains(word)).collect::<Vec<_>>().join(" ")
+    sextant().arg("map").arg(log).args(words).output().unwrap().all()
 }

@@ -4,12 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 fn succeeds(command: &mut Command) -> String {
-    let output = command.output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
+    command.output().expect("the program starts").printed()
 }
 
 /// A recording of a short survey.

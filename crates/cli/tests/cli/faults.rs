@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program;
+use crate::program::{self, Said, sets};
 
 /// Antennas of nodes, one of which would look beyond the vertical.
 const TILTED: &str =
@@ -16,11 +16,7 @@ fn run(scenario: &str, settings: &[&str]) -> Value {
     let mut program = program::sextant();
     program.arg("run").arg(program::scenario(scenario)).args(["--quiet", "--out"]).arg(recording);
     program.arg("--summary").arg(&summary);
-    for setting in settings {
-        program.args(["--set", setting]);
-    }
-    let output = program.output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    program.args(sets(settings)).output().expect("the program starts").printed();
     let mut summary = program::summary(&summary);
     let keys = summary.as_object_mut().expect("an object");
     keys.remove("timing");
@@ -31,13 +27,8 @@ fn run(scenario: &str, settings: &[&str]) -> Value {
 /// The errors of a scenario with these settings.
 fn refused(scenario: &str, settings: &[&str]) -> String {
     let mut program = program::sextant();
-    program.arg("run").arg(program::scenario(scenario));
-    for setting in settings {
-        program.args(["--set", setting]);
-    }
-    let output = program.output().expect("the program starts");
-    assert_eq!(output.status.code(), Some(2));
-    String::from_utf8(output.stderr).expect("text")
+    let output = program.arg("run").arg(program::scenario(scenario)).args(sets(settings)).output();
+    output.expect("the program starts").refusal()
 }
 
 #[test]

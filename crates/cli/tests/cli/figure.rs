@@ -39,22 +39,12 @@ fn truth(world: World) -> Vec<PlacedNode> {
 fn log() -> ReceptionLog {
     let names = (0..NODES).map(|i| format!("n{i}")).collect();
     let stop = |i: u32| Stop {
-        robot: RobotId(0),
         time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
-        position: Position::new(f64::from(i), -1.0, 0.0),
-        heading_rad: None,
+        ..Stop::at(Position::new(f64::from(i), -1.0, 0.0))
     };
     let stops = (0..STOPS).map(stop).collect();
     let heard = |node: u32| {
-        let reception = move |stop: u32| Reception {
-            node: NodeId(node),
-            stop,
-            received: 1,
-            sent: 2,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        };
+        let reception = move |stop: u32| Reception::heard(NodeId(node), stop, 1, 2);
         (0..STOPS).filter(move |stop| (node + stop).is_multiple_of(3)).map(reception)
     };
     let receptions = (0..NODES).flat_map(heard).collect();

@@ -10,7 +10,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, FieldNames, FormOptions, Names, ReadOptions, RobotLog, StopRule};
 
-use super::drive::{folder, map, unwrapped};
+use super::drive::map;
+use super::program::{folder, unwrapped};
 
 /// Reads a folder with these files; stops are 5 m long, and nodes send every second.
 pub(super) fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {
@@ -27,9 +28,9 @@ pub(super) fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog
 }
 
 /// Stop, packets received and sent, and strength of each reception of a node.
-type Row = (u32, u32, u32, Option<f64>);
+pub(super) type Row = (u32, u32, u32, Option<f64>);
 
-fn rows(log: &RobotLog, node: u32) -> Vec<Row> {
+pub(super) fn rows(log: &RobotLog, node: u32) -> Vec<Row> {
     log.log.of(NodeId(node)).iter().map(|at| (at.stop, at.received, at.sent, at.rssi_dbm)).collect()
 }
 

@@ -2,11 +2,10 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Output;
 
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, call, scenario};
 
 /// A folder with the log of the template in `log`, and a table with a column a node alone in `wide`.
 fn logs() -> TempDir {
@@ -21,15 +20,8 @@ fn logs() -> TempDir {
     folder
 }
 
-fn call(folder: &Path, words: &[&str]) -> Output {
-    sextant().current_dir(folder).args(words).output().expect("it starts")
-}
-
 fn refused(folder: &Path, words: &[&str]) {
-    let output = call(folder, words);
-    let message = String::from_utf8_lossy(&output.stderr).replace('│', "");
-    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+    let message = call(folder, words).refusal();
     assert!(
         message.contains("a part of the log in its folder") && message.contains("another name"),
         "{words:?}: {message}"

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
+
+use crate::program::{Said, call};
 
 const PROFILE: &str = "p0=0.9,plateau_m=1,range_m=3";
 
@@ -40,11 +41,7 @@ fn survey() -> tempfile::TempDir {
 
 /// Runs `sextant map log WORDS` in `folder`; returns exit code, standard output and standard error.
 fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = cargo_bin_cmd!("sextant");
-    command.args([&["map", "log"], words].concat()).current_dir(folder).env("NO_COLOR", "1");
-    let output = command.output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
+    call(folder, &[&["map", "log"], words].concat()).all()
 }
 
 fn json(folder: &Path, words: &[&str]) -> Value {

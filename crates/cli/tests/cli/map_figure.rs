@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::cargo::cargo_bin_cmd;
 
-use crate::program::scenario;
+use crate::program::{Said, call, scenario};
 
 /// The colour of the outlines of 95 % regions in SVG files.
 const REGION: &str = "#8FB8D8";
@@ -35,11 +35,7 @@ fn survey(heights_m: [f64; 3]) -> tempfile::TempDir {
 
 /// Exit code, standard output and standard error of `sextant map WORDS` in `folder`.
 fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = cargo_bin_cmd!("sextant");
-    command.arg("map").args(words).current_dir(folder).env("NO_COLOR", "1");
-    let output = command.output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
+    call(folder, &[&["map"], words].concat()).all()
 }
 
 /// The figures that are in `folder`, sorted.

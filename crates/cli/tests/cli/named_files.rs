@@ -6,11 +6,11 @@ use std::path::Path;
 
 use serde_json::Value;
 use sextant_channel::{Position, Reception, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_kernel::NodeId;
 use sextant_recording::{FILES_ATTACHMENTS, read_log};
 use tempfile::TempDir;
 
-use crate::program::{self, sextant};
+use crate::program::{self, Said, call, sextant};
 
 /// A network of IEEE 802.15.4 with a map that knows channel and obstacles; nodes, obstacles and traffic are missing.
 const SURVEY: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\
@@ -47,9 +47,7 @@ fn book() -> String {
 }
 
 fn json(folder: &Path, words: &[&str]) -> Value {
-    let output =
-        sextant().current_dir(folder).args(words).arg("--quiet").output().expect("a test with room on the disk");
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    call(folder, &[words, &["--quiet"]].concat()).printed();
     program::summary(&folder.join("summary.json"))
 }
 
@@ -139,7 +137,7 @@ fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
         .expect("a test with room on the disk");
     recorder.scenario(&text).expect("a test with room on the disk");
     recorder.nodes(&["a".to_owned()]).expect("a test with room on the disk");
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+    let stop = Stop::at(Position::ORIGIN);
     let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
     let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
     recorder.stop(None, "r", 0, &stop, &[heard]).expect("a test with room on the disk");

@@ -4,13 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::Value;
 
-use crate::program::{scenario, sextant, summary};
-
-/// A table of an export: each row by the names of its columns.
-type Table = Vec<BTreeMap<String, String>>;
+use crate::program::{Said, Table, scenario, sets, sextant, summary, table};
 
 /// A run with its recording.
 struct Recorded {
@@ -18,10 +16,8 @@ struct Recorded {
     summary: Value,
 }
 
-fn succeeds(command: &mut std::process::Command) -> String {
-    let output = command.output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
+fn succeeds(command: &mut Command) -> String {
+    command.output().expect("the program starts").printed()
 }
 
 impl Recorded {
@@ -30,10 +26,7 @@ impl Recorded {
         let mut command = sextant();
         command.args(["run", "--quiet"]).arg(scenario(name)).arg("--out").arg(folder.path().join("run.mcap"));
         command.arg("--summary").arg(folder.path().join("run.json"));
-        for set in set {
-            command.args(["--set", set]);
-        }
-        succeeds(&mut command);
+        succeeds(command.args(sets(set)));
         let summary = summary(&folder.path().join("run.json"));
         succeeds(
             sextant()
@@ -51,11 +44,7 @@ impl Recorded {
 
     /// A table without quoted cells; empty if there is none.
     fn table(&self, name: &str) -> Table {
-        let text = fs::read_to_string(self.path("tables").join(format!("{name}.csv"))).unwrap_or_default();
-        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
-        let Some(header) = lines.next() else { return Vec::new() };
-        let header: Vec<_> = header.collect();
-        lines.map(|row| header.iter().cloned().zip(row).collect()).collect()
+        table(&self.path("tables").join(format!("{name}.csv")))
     }
 
     fn figure(&self, arguments: &[&str]) -> String {

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use super::program::sextant;
+use super::program::{Said, sextant};
 
 /// A log in `folder`: a way along y = 0 with a stop each 2 m, and nodes beside it that are heard less the farther they are.
 fn write_log(folder: &Path, stops: usize) {
@@ -32,9 +32,7 @@ fn next(folder: &Path, words: &[&str]) -> Output {
 }
 
 fn found(folder: &Path, words: &[&str]) -> serde_json::Value {
-    let output = next(folder, &[words, &["--format", "json", "--quiet"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    next(folder, &[words, &["--format", "json", "--quiet"]].concat()).json()
 }
 
 fn places(found: &serde_json::Value) -> Vec<[f64; 2]> {

@@ -8,7 +8,7 @@ use serde_json::Value;
 use sextant_channel::Position;
 use sextant_recording::{read_log, read_world};
 
-use crate::program::{scenario, sextant, summary};
+use crate::program::{Said, scenario, sets, sextant, summary};
 
 /// A recording and the summary of its run.
 struct Run {
@@ -23,11 +23,7 @@ fn run(name: &str, settings: &[&str]) -> Run {
     let (recording, json) = (folder.path().join("run.mcap"), folder.path().join("run.json"));
     let mut command = sextant();
     command.arg("run").arg(scenario(name)).arg("--out").arg(&recording).arg("--summary").arg(&json);
-    for setting in settings {
-        command.args(["--set", setting]);
-    }
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    command.args(sets(settings)).output().expect("it starts").printed();
     Run { summary: summary(&json), folder, recording }
 }
 

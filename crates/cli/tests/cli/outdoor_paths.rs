@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, StopRule};
 
-use super::drive::folder;
+use super::program::folder;
 
 const PACKETS: &str = "t_s,node\n1700000001,lamp\n1700000006,lamp\n";
 

@@ -2,20 +2,13 @@
 
 use std::fs;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant, unwrapped};
 
 /// Exit code and what is said, on one line, of `sextant check` with settings of the scenario of such a network.
 fn checked(settings: &[&str]) -> (Option<i32>, String) {
     let path = fs::canonicalize(scenario("mac/own-radio.toml")).expect("the scenario is there");
-    let mut command = sextant();
-    command.arg("check").arg(path);
-    for setting in settings {
-        command.args(["--set", setting]);
-    }
-    let output = command.output().expect("it starts");
-    let said = String::from_utf8(output.stderr).expect("text");
-    let lines: Vec<&str> = said.lines().map(|line| line.trim_start_matches([' ', '│', '×'])).collect();
-    (output.status.code(), lines.join(" "))
+    let (code, _, message) = sextant().arg("check").arg(path).args(sets(settings)).output().expect("it starts").all();
+    (Some(code), unwrapped(&message))
 }
 
 #[test]

@@ -3,13 +3,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::Value;
 
-use crate::program::{scenario, sextant, summary};
-
-/// A table of an export: each row by the names of its columns.
-type Table = Vec<BTreeMap<String, String>>;
+use crate::program::{Said, Table, scenario, sets, sextant, summary, table};
 
 /// A run with its packet trace, as tables.
 struct Traced {
@@ -20,19 +18,8 @@ struct Traced {
     folder: tempfile::TempDir,
 }
 
-/// Reads a table without quoted cells; empty if the file is not there.
-fn table(path: &Path) -> Table {
-    let text = fs::read_to_string(path).unwrap_or_default();
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
-    let Some(header) = lines.next() else { return Vec::new() };
-    let header: Vec<_> = header.collect();
-    lines.map(|row| header.iter().cloned().zip(row).collect()).collect()
-}
-
-fn succeeds(command: &mut std::process::Command) -> String {
-    let output = command.output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("text")
+fn succeeds(command: &mut Command) -> String {
+    command.output().expect("the program starts").printed()
 }
 
 impl Traced {
@@ -42,10 +29,7 @@ impl Traced {
         let mut command = sextant();
         command.args(["run", "--quiet", "--set", "recording.packets=true"]).arg(file);
         command.arg("--out").arg(path("run.mcap")).arg("--summary").arg(path("run.json"));
-        set.iter().for_each(|set| {
-            command.args(["--set", set]);
-        });
-        succeeds(&mut command);
+        succeeds(command.args(sets(set)));
         succeeds(sextant().arg("export").arg(path("run.mcap")).arg("--out").arg(path("tables")));
         let tables = path("tables");
         Self {

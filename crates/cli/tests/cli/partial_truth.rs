@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
+
+use crate::program::{Said, call};
 
 /// Places of the nodes of [`survey`]; the last one was never heard.
 const NODES: [(&str, f64, f64); 7] = [
@@ -50,13 +51,10 @@ fn write_truth(folder: &Path, names: &[&str]) {
 
 /// Standard output and standard error of `sextant map . --truth nodes.csv WORDS` in `folder`.
 fn map(folder: &Path, words: &[&str]) -> (String, String) {
-    let mut command = cargo_bin_cmd!("sextant");
     let always = ["map", ".", "--profile", "p0=0.9,plateau_m=1,range_m=3", "--truth", "nodes.csv"];
-    command.args([&always, words].concat()).current_dir(folder).env("NO_COLOR", "1");
-    let output = command.output().expect("the program starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    (text(output.stdout), text(output.stderr))
+    let (code, printed, message) = call(folder, &[&always, words].concat()).all();
+    assert_eq!(code, 0, "{message}");
+    (printed, message)
 }
 
 fn json(folder: &Path) -> (Value, String) {

@@ -10,7 +10,8 @@ use sextant_channel::Position;
 use sextant_kernel::{Purpose, Seed};
 use sextant_logs::{self as robot_log, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
 
-use super::drive::{assert_holds, folder, kept, map, options, path_csv, unwrapped};
+use super::drive::{assert_holds, kept, map, options, path_csv};
+use super::program::{folder, unwrapped};
 
 /// Of the first time of the paths of the captures and of the bags (ns).
 const CAPTURES_NS: u32 = 123_456_000;

@@ -2,32 +2,22 @@
 
 use std::path::Path;
 
-use assert_cmd::cargo::cargo_bin_cmd;
+use crate::program::{Said, call, folder, unwrapped};
 
 /// A log of two nodes and three stops.
 fn log() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("there is room");
-    for (name, text) in [
+    folder(&[
         ("stops.csv", "stop,t_s,x_m,y_m\n0,0,0,0\n1,1,2,0\n2,2,4,1\n"),
         ("receptions.csv", "node,stop,received,sent\na,0,3,5\na,1,5,5\nb,1,2,5\nb,2,5,5\n"),
         ("area.csv", "x_m,y_m\n-1,-1\n5,-1\n5,3\n"),
         ("line.csv", "x_m,y_m\n0,0\n1,1\n2,2\n"),
-    ] {
-        std::fs::write(folder.path().join(name), text).expect("there is room");
-    }
-    folder
+    ])
 }
 
 /// Exit code and standard error of `sextant map . WORDS` in `folder`.
 fn map(folder: &Path, words: &[&str]) -> (i32, String) {
-    let mut command = cargo_bin_cmd!("sextant");
-    command.args([&["map", "."], words].concat()).current_dir(folder).env("NO_COLOR", "1");
-    let output = command.output().expect("the program starts");
-    let message = String::from_utf8(output.stderr).expect("the message is text");
-    (
-        output.status.code().expect("the program ends by itself"),
-        message.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" "),
-    )
+    let (code, _, message) = call(folder, &[&["map", "."], words].concat()).all();
+    (code, unwrapped(&message))
 }
 
 #[test]

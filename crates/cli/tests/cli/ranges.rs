@@ -8,8 +8,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::drive::folder;
-use super::program::sextant;
+use super::program::{Said, folder, sextant};
 
 const NODES: &str = "node,x_m,y_m\nA,4,5\nB,16,3\nC,10,13\nD,-3,9\n";
 const PLACES: [(&str, [f64; 2]); 4] =
@@ -53,24 +52,13 @@ fn run(folder: &TempDir, arguments: &[&str]) -> Output {
     sextant().arg("map").arg(folder.path()).args(arguments).current_dir(folder.path()).output().unwrap()
 }
 
-fn json(output: &Output) -> Value {
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{text}");
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn refusal(output: &Output) -> String {
-    assert_eq!(output.status.code(), Some(2));
-    String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 #[test]
 fn a_path_with_ranges_alone_is_mapped_by_default() {
     let [path, _, ranges] = drive(5, 0.0);
     let log = folder(&[("path.csv", &path), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
     let out = folder(&[]);
     let places = out.path().join("places.csv").display().to_string();
-    let summary = json(&run(&log, &["--truth", "nodes.csv", "--out", &places, "--format", "json"]));
+    let summary = run(&log, &["--truth", "nodes.csv", "--out", &places, "--format", "json"]).json();
     let map = &summary["maps"][0];
     assert_eq!((map["algorithm"].as_str(), map["mapped"].as_u64()), (Some("auto"), Some(4)));
     assert!(map["position_error_m"]["max"].as_f64().unwrap() < 0.2, "{map}");
@@ -82,12 +70,11 @@ fn a_path_with_ranges_alone_is_mapped_by_default() {
     let other = ranges.replace("t_s,node,range_mm", "seconds,anchor,dist");
     std::fs::write(log.path().join("ranges.csv"), other).unwrap();
     let fields = ["--range-fields", "t_s=seconds,node=anchor,range_mm=dist"];
-    let same = json(&run(
-        &log,
-        &[&fields[..], &["--algorithm", "range-ml", "--truth", "nodes.csv", "--format", "json"]].concat(),
-    ));
+    let same =
+        run(&log, &[&fields[..], &["--algorithm", "range-ml", "--truth", "nodes.csv", "--format", "json"]].concat())
+            .json();
     assert_eq!(same["maps"][0]["position_error_m"], map["position_error_m"]);
-    let refused = refusal(&run(&log, &["--truth", "nodes.csv"]));
+    let refused = run(&log, &["--truth", "nodes.csv"]).refusal();
     assert!(refused.contains("`node`") && refused.contains("--range-fields"), "{refused}");
 }
 
@@ -95,14 +82,14 @@ fn a_path_with_ranges_alone_is_mapped_by_default() {
 fn odometry_is_corrected_by_ranges() {
     let [odometry, _, ranges] = drive(2, 0.012);
     let log = folder(&[("odometry.csv", &odometry), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
-    let error = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    let error = |output: &Output| output.json()["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
     let believed_m = error(&run(&log, &["--truth", "nodes.csv", "--format", "json"]));
     let out = folder(&[]);
     let [tum, csv] = ["path.tum", "path.csv"].map(|name| out.path().join(name).display().to_string());
     let arguments = ["--estimate-path", "--path-out", &tum, "--truth", "nodes.csv", "--format", "json"];
     let corrected = run(&log, &arguments);
     assert!(error(&corrected) < 0.3 * believed_m, "{} of {believed_m} m", error(&corrected));
-    let path = &json(&corrected)["path"];
+    let path = &corrected.json()["path"];
     assert_eq!((path["moved"].as_bool(), path["frame"].as_str()), (Some(true), Some("first-pose")));
     let tum = std::fs::read_to_string(&tum).unwrap();
     assert!(tum.lines().nth(1).unwrap().split(' ').count() == 8, "{tum}");
@@ -121,7 +108,7 @@ fn odometry_is_corrected_by_ranges() {
         (&["--estimate-path", "--path-out", "path.csv"], "an output never replaces an input"),
         (&["--estimate-path", "--tiles", "2"], "tile by tile"),
     ] {
-        let refused = refusal(&run(&right, arguments));
+        let refused = run(&right, arguments).refusal();
         assert!(refused.contains(problem), "{refused}");
     }
 }
@@ -134,7 +121,7 @@ fn a_tag_is_tracked_among_receivers() {
     let place = folder(&[]);
     let out = place.path().join("track.csv").display().to_string();
     let arguments = [&known[..], &["--truth", "truth.csv", "--out", &out, "--format", "json"]].concat();
-    let summary = json(&run(&log, &arguments));
+    let summary = run(&log, &arguments).json();
     let track = &summary["tracks"][0];
     assert!(track["position_rmse_m"].as_f64().unwrap() < 0.35, "{track}");
     assert!(track["in_region_95"].as_f64().unwrap() > 0.8, "{track}");
@@ -144,12 +131,12 @@ fn a_tag_is_tracked_among_receivers() {
     let text = run(&log, &[&known[..], &["--truth", "truth.csv"]].concat());
     assert!(String::from_utf8_lossy(&text.stdout).contains("within the 95 % regions"), "{text:?}");
     std::fs::write(log.path().join("two.csv"), "node,x_m,y_m\nA,4,5\nB,16,3\n").unwrap();
-    let refused = refusal(&run(&log, &["--track", "--known", "two.csv"]));
+    let refused = run(&log, &["--track", "--known", "two.csv"]).refusal();
     assert!(refused.contains("three receivers"), "{refused}");
-    let refused = refusal(&run(&log, &["--track"]));
+    let refused = run(&log, &["--track"]).refusal();
     assert!(refused.contains("--known"), "{refused}");
     std::fs::write(log.path().join("other.csv"), "node,x_m,y_m\nX,4,5\n").unwrap();
-    let refused = refusal(&run(&log, &["--track", "--known", "other.csv"]));
+    let refused = run(&log, &["--track", "--known", "other.csv"]).refusal();
     assert!(refused.contains("no strength of a receiver with a known place"), "{refused}");
 }
 
@@ -174,13 +161,13 @@ fn a_scenario_says_that_a_map_is_on_the_estimated_path() {
             .unwrap()
     };
     let estimated = run(&["--set", "maps.0.path=\"estimated\""]);
-    assert_eq!(json(&estimated)["maps"][0]["path"]["evidence"], "packets");
+    assert_eq!(estimated.json()["maps"][0]["path"]["evidence"], "packets");
     for (set, problem) in [
         ("maps.0.path_error.scale=0.1", "path_error"),
         ("maps.0.algorithm={range_ml={}}", "robots measure no ranges"),
         ("maps.0.path=\"guessed\"", "believed"),
     ] {
-        let refused = refusal(&run(&["--set", set]));
+        let refused = run(&["--set", set]).refusal();
         assert!(refused.contains(problem), "{refused}");
     }
 }
@@ -216,7 +203,7 @@ fn drive_with_antennas() -> [String; 3] {
 #[test]
 fn ranges_were_measured_where_the_antennas_are_on_the_robot() {
     let [path, ranges, tags] = drive_with_antennas();
-    let error = |output: &Output| json(output)["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
+    let error = |output: &Output| output.json()["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
     let arguments = ["--truth", "nodes.csv", "--algorithm", "range-ml", "--format", "json"];
     let log = folder(&[("path.csv", &path), ("ranges.csv", &ranges), ("tags.csv", &tags), ("nodes.csv", NODES)]);
     let with_arms_m = error(&run(&log, &arguments));
@@ -234,14 +221,14 @@ fn ranges_were_measured_where_the_antennas_are_on_the_robot() {
     let parts = [("odometry.csv", &*odometry), ("ranges.csv", &*ranges), ("tags.csv", &*tags)];
     let tracked = folder(&[&parts[..], &[("nodes.csv", NODES), ("truth.csv", &truth)]].concat());
     let words = ["--track", "--known", "nodes.csv", "--truth", "truth.csv", "--format", "json"];
-    let track = json(&run(&tracked, &words))["tracks"][0].clone();
+    let track = run(&tracked, &words).json()["tracks"][0].clone();
     assert!(track["position_rmse_m"].as_f64().unwrap() < 0.15, "{track}");
     assert_eq!(track["tag"], "robot");
     assert!(track["odometry_scale"].is_number() && track.get("acceleration_m2_per_s3").is_none(), "{track}");
 
     let refused = |file: &str, text: &str, problem: &str| {
         std::fs::write(log.path().join(file), text).unwrap();
-        let refused = refusal(&run(&log, &arguments));
+        let refused = run(&log, &arguments).refusal();
         assert!(refused.contains(problem), "{refused}");
     };
     refused("tags.csv", "tag,x_m,y_m\nfront,1,0\nfront,2,0\n", "each tag once");
@@ -250,7 +237,7 @@ fn ranges_were_measured_where_the_antennas_are_on_the_robot() {
     std::fs::write(log.path().join("tags.csv"), &tags).unwrap();
     refused("path.csv", &path.replace("heading_deg", "speed"), "column `heading_rad` is missing");
     std::fs::remove_file(tracked.path().join("odometry.csv")).unwrap();
-    let refused = refusal(&run(&tracked, &words));
+    let refused = run(&tracked, &words).refusal();
     assert!(refused.contains("tags.csv") && refused.contains("beside odometry.csv"), "{refused}");
 }
 
@@ -270,10 +257,10 @@ fn strengths_track_a_tag_and_a_side_is_for_receivers_on_a_line() {
     }
     let log = folder(&[("packets.csv", &packets), ("nodes.csv", NODES), ("truth.csv", &truth)]);
     let words = ["--track", "--known", "nodes.csv", "--truth", "truth.csv", "--format", "json"];
-    let track = json(&run(&log, &words))["tracks"][0].clone();
+    let track = run(&log, &words).json()["tracks"][0].clone();
     assert_eq!((&track["tag"], &track["ranges"]), (&Value::from("badge"), &Value::from(0)));
     assert!(track["position_rmse_m"].as_f64().unwrap() < 1.0 && track.get("noise_m").is_none(), "{track}");
-    assert_eq!(json(&run(&log, &[&words[..], &["--reciprocal"]].concat()))["tracks"][0], track);
+    assert_eq!(run(&log, &[&words[..], &["--reciprocal"]].concat()).json()["tracks"][0], track);
     for (more, problem) in [
         (&["--side", "1,2"][..], "straight line"),
         (&["--side", "left"], "two numbers of metres, X,Y"),
@@ -297,7 +284,7 @@ fn a_run_whose_robot_measured_nothing_is_recorded_and_says_that_it_has_no_map() 
     run(&["init", "ranges"]);
     let silent = ["--set", "radio.tx_power_dbm=-100.0", "--out", "run.mcap", "--format", "json", "--quiet"];
     let output = run(&[&["run", "ranges.toml"], &silent[..]].concat());
-    let map = json(&output)["maps"][0].clone();
+    let map = output.json()["maps"][0].clone();
     assert!(output.status.success() && map["mapped"] == 0 && map["unmapped"] == 16, "{map}");
     assert!(map["not_made"].as_str().unwrap().contains("needs measured ranges"), "{map}");
     assert!(map["judgement"].to_string().contains("no map was made"), "{map}");

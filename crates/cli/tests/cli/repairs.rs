@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use sextant_logs::{self as robot_log, FormOptions, PacketDelay, ReadOptions, RepairOptions, RobotLog, StopRule};
 
-use super::drive::folder;
+use super::program::folder;
 
 /// Reads a folder with these files; stops of a path are 5 s long.
 fn read(files: &[(&str, &str)], form: FormOptions, repair: RepairOptions) -> Result<RobotLog, String> {

@@ -8,20 +8,15 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 /// Runs a scenario with these settings, with a capture and a recording of this name: its summary.
 fn run(folder: &Path, name: &str, shipped: &str, threads: &str, settings: &[&str]) -> Value {
     let mut command = sextant();
-    command.current_dir(folder).arg("run").arg(scenario(shipped));
-    settings.iter().for_each(|setting| {
-        command.args(["--set", setting]);
-    });
+    command.current_dir(folder).arg("run").arg(scenario(shipped)).args(sets(settings));
     let (pcap, mcap) = (format!("{name}.pcap"), format!("{name}.mcap"));
     command.args(["--pcap", &pcap, "--out", &mcap, "--threads", threads, "--format", "json", "--quiet"]);
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a summary")
+    command.output().expect("it starts").json()
 }
 
 #[test]

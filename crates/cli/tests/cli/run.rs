@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 #[cfg(unix)]
 use crate::program::signal;
-use crate::program::{scenario, sextant, summary};
+use crate::program::{Said, scenario, sextant, summary};
 
 /// Listening for so long at each stop makes the smoke scenario run for a minute or more.
 const ENDLESS: &str = "robots.0.listen_s=100000";
@@ -126,8 +126,7 @@ fn a_map_of_the_recording_equals_the_map_of_the_run() {
     let (mcap, of_run, of_map) =
         (folder.path().join("smoke.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
     assert!(run(&["--summary", of_run.to_str().unwrap()], &mcap).status.success());
-    let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap().printed();
     let (mut of_run, of_map) = (summary(&of_run), summary(&of_map));
     let [bound_m, energy_j] = take_what_only_a_run_knows(&mut of_run["maps"][0]);
     assert!((0.01..1.0).contains(&bound_m), "{bound_m}");
@@ -200,9 +199,7 @@ fn two_robots_share_one_log_and_each_has_its_row() {
         (folder.path().join("two.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
     let mut command = sextant();
     command.arg("run").arg(scenario("ml-tm/two-robots.toml")).arg("--out").arg(&mcap).arg("--summary").arg(&of_run);
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = command.output().unwrap().printed();
     assert!(text.contains("path of west") && text.contains("path of east"), "{text}");
     let mut of_run = summary(&of_run);
     let gathering = &of_run["gathering"];
@@ -216,8 +213,7 @@ fn two_robots_share_one_log_and_each_has_its_row() {
     let longest_s = of_robots("duration_s").into_iter().fold(0.0, f64::max);
     assert!((longest_s - gathering["duration_s"].as_f64().unwrap()).abs() < 1e-9);
     // The interleaved stops of both are read back from the recording.
-    let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap().printed();
     take_what_only_a_run_knows(&mut of_run["maps"][0]);
     let of_map = summary(&of_map);
     assert_eq!(of_run["maps"], of_map["maps"]);
@@ -232,8 +228,7 @@ fn robots_that_listen_for_different_times_have_a_map_without_a_bound() {
     let json = folder.path().join("run.json");
     let mut command = sextant();
     command.arg("run").arg(scenario("ml-tm/two-robots.toml")).args(["--set", "robots.1.listen_s=2.5", "--summary"]);
-    let output = command.arg(&json).arg("--out").arg(folder.path().join("two.mcap")).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    command.arg(&json).arg("--out").arg(folder.path().join("two.mcap")).output().unwrap().printed();
     let map = &summary(&json)["maps"][0];
     assert_eq!((map["mapped"].as_u64(), map.get("posterior_bound_m")), (Some(496), None));
 }
@@ -302,8 +297,7 @@ fn the_recording_of_a_killed_run_can_be_recovered() {
     child.wait().unwrap();
     assert!(!out.exists(), "a killed run must not look finished");
     let part = out.with_extension("mcap.part");
-    let output = sextant().arg("recover").arg(&part).arg("--out").arg(&good).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().arg("recover").arg(&part).arg("--out").arg(&good).output().unwrap().printed();
     let inspection = recording::inspect(&good).expect("a good recording");
     assert!(inspection.damage.is_none());
     assert!(inspection.to_string().contains("/mac/frames"), "{inspection}");

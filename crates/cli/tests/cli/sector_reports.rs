@@ -14,7 +14,7 @@ use sextant_mac::dmg::{MAX_MEASUREMENTS, SweepBody, SweepFrame, brp_measurements
 use sextant_recording::read_log;
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{Said, sextant};
 
 /// A robot with the antenna of the router that asks nodes for all sectors. Nodes listen with 0 dBi.
 const SCENARIO: &str = r#"
@@ -94,8 +94,7 @@ impl Ran {
     }
 
     fn succeeds(&self, words: &[&str]) {
-        let output = sextant().current_dir(self.0.path()).args(words).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        sextant().current_dir(self.0.path()).args(words).output().unwrap().printed();
     }
 
     fn path(&self, name: &str) -> PathBuf {

@@ -10,7 +10,7 @@ use sextant_recording::{inspect, read_log, recover};
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{sextant, summary};
+use crate::program::{Said, run_text, sextant, summary};
 
 const WORLD: &str = r#"
 name = "sweeps"
@@ -106,18 +106,6 @@ networks = [{ network = "mm", profile.channel = {} }, { network = "zigbee" }]
     [WORLD, &sweeps("networks.mm."), zigbee, &robot, MMTM, maps].concat()
 }
 
-/// Runs a scenario to `run.mcap` in a new folder, and returns the folder and the summary.
-fn run(scenario: &str, words: &[&str]) -> (TempDir, Value) {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let mut command = sextant();
-    command.current_dir(folder.path()).args(["run", "a.toml", "--out", "run.mcap", "--summary", "run.json"]);
-    let output = command.args(["--quiet"]).args(words).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let found = summary(&folder.path().join("run.json"));
-    (folder, found)
-}
-
 /// Maps a log in `folder`; the summary, or the error.
 fn map(folder: &Path, log: &str, words: &[&str]) -> Result<Value, String> {
     let mut command = sextant();
@@ -132,7 +120,7 @@ fn map(folder: &Path, log: &str, words: &[&str]) -> Result<Value, String> {
 
 #[test]
 fn a_recording_of_sector_sweeps_is_mapped_as_in_the_run() {
-    let (folder, found) = run(&one(), &[]);
+    let (folder, found) = run_text(&one(), &[]);
     let path = folder.path().join("run.mcap");
     let count = |topic: &str| inspect(&path).unwrap().topics.iter().find(|t| t.topic == topic).map(|t| t.messages);
     assert_eq!((count("/sectors"), count("/networks")), (Some(2 * 16), None));
@@ -164,7 +152,7 @@ fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recordi
     let held = "[antenna]\nrobot_headings = \"body\"\nrobot_mount.yaw_deg = 90\n[antenna.nodes.sectors]";
     let maps = MMTM.replace("profile.channel", "profile.fitted");
     let scenario = [WORLD, &sweeps("").replace("[antenna.nodes.sectors]", held), ROBOT, &maps].concat();
-    let (folder, found) = run(
+    let (folder, found) = run_text(
         &scenario,
         &[
             "--set",
@@ -195,9 +183,8 @@ fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recordi
 
 #[test]
 fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
-    let (folder, _) = run(&two(), &[]);
-    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let (folder, _) = run_text(&two(), &[]);
+    sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap().printed();
     let svg = |name: &str| std::fs::read_to_string(folder.path().join("run.figures").join(name)).unwrap();
     let sectors = svg("sectors.svg");
     assert!(sectors.contains("sectors at a stop") && sectors.contains("of rover"), "a title and a note");
@@ -207,7 +194,7 @@ fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
 
 #[test]
 fn the_summary_counts_sweeps_and_answers_and_their_energy() {
-    let (_folder, found) = run(&one(), &[]);
+    let (_folder, found) = run_text(&one(), &[]);
     let gathering = &found["gathering"];
     assert_eq!((&gathering["stops"], &gathering["sweeps"]), (&9.into(), &27.into()));
     let answers = gathering["packets_offered"].as_f64().unwrap();
@@ -222,13 +209,13 @@ fn the_summary_counts_sweeps_and_answers_and_their_energy() {
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
     }
     // Where no two nodes are neighbours, no node has a displacement.
-    let (_folder, alone) = run(&one(), &["--set", "metrics.sector_neighbourhood_m=0.01"]);
+    let (_folder, alone) = run_text(&one(), &["--set", "metrics.sector_neighbourhood_m=0.01"]);
     assert_eq!(alone["maps"][0]["sector_displacement"], serde_json::json!([0.0, 0.0, 0.0, 0.0, 0.0]));
 }
 
 #[test]
 fn the_logs_of_two_networks_are_recorded_and_mapped_by_name() {
-    let (folder, found) = run(&two(), &[]);
+    let (folder, found) = run_text(&two(), &[]);
     let path = folder.path().join("run.mcap");
     let recorded = read_log(&path).unwrap();
     assert_eq!(recorded.logs.names().collect::<Vec<_>>(), ["mm", "zigbee"]);
@@ -285,7 +272,7 @@ fn maps_of_networks_that_robots_do_not_survey_are_rejected() {
 #[test]
 fn tshark_decodes_sweeps_and_answers() {
     let Some(program) = tshark() else { return };
-    let (folder, found) = run(&one(), &["--pcap", "a.pcap", "--set", "maps=[]"]);
+    let (folder, found) = run_text(&one(), &["--pcap", "a.pcap", "--set", "maps=[]"]);
     let fields = [
         "wlan.fc.type_subtype",
         "wlan.fcs.status",
@@ -316,7 +303,7 @@ fn tshark_decodes_sweeps_and_answers() {
     assert_eq!(of_robot, 27 * 32);
 
     let words = ["--pcap", "a.pcap", "--set", "maps=[]", "--set", "recording.pcap.robot=rover"];
-    let (folder, _) = run(&one(), &words);
+    let (folder, _) = run_text(&one(), &words);
     let heard = dissect(&program, &folder.path().join("a.pcap"), &["wlan.ssw.direction", "radiotap.dbm_antsignal"]);
     assert!(!heard.is_empty() && heard.len() < rows.len());
     for row in &heard {
@@ -324,7 +311,7 @@ fn tshark_decodes_sweeps_and_answers() {
         assert!((-61..0).contains(&row[1].parse::<i32>().unwrap()), "{row:?}");
     }
 
-    let (folder, _) = run(&two(), &["--pcap", "a.pcap", "--set", "maps=[]"]);
+    let (folder, _) = run_text(&two(), &["--pcap", "a.pcap", "--set", "maps=[]"]);
     let both = dissect(&program, &folder.path().join("a.pcap"), &["frame.protocols", "_ws.malformed"]);
     let of = |protocol: &str| both.iter().filter(|row| row[0].contains(protocol)).count();
     assert!(of("wlan") > 0 && of("wpan") > 0 && of("wlan") + of("wpan") == both.len(), "{:?}", &both[..3]);

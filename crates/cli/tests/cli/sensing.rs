@@ -7,7 +7,7 @@ use sextant_kernel::SimTime;
 use sextant_recording::{RecordedWorld, SUMMARY_ATTACHMENT, Sensation, read_log, read_run, read_world};
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 const SHIPPED: &str = "sensing/targets-and-fields.toml";
 
@@ -18,13 +18,8 @@ fn standing(name: &str, place_m: &str) -> String {
 
 /// Runs a shipped scenario with other settings.
 fn run(name: &str, set: &[&str], out: &Path) {
-    let mut command = sextant();
-    command.arg("run").arg(scenario(name)).arg("--out").arg(out);
-    set.iter().for_each(|set| {
-        command.args(["--set", set]);
-    });
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = sextant().arg("run").arg(scenario(name)).arg("--out").arg(out).args(sets(set)).output();
+    output.expect("it starts").printed();
 }
 
 /// The shipped scenario with other settings, and what is drawn of its recording.
@@ -164,8 +159,7 @@ fn sensors_do_not_change_what_a_robot_hears() {
 #[test]
 fn the_ways_with_their_detections_and_the_fields_are_drawn() {
     let (folder, drawn) = recorded(&[]);
-    let output = sextant().arg("figure").arg(folder.path().join("run.mcap")).output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    sextant().arg("figure").arg(folder.path().join("run.mcap")).output().expect("it starts").printed();
     let figure = |name: &str| std::fs::read_to_string(folder.path().join("run.figures").join(name)).unwrap();
     let targets = figure("targets.svg");
     assert!(targets.contains("way of intruder") && targets.contains("radius of detection, 2.5 m"));

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 /// The smoke scenario with this sweep, in a folder of its own.
 fn swept(sweep: &str) -> (tempfile::TempDir, std::path::PathBuf) {
@@ -22,10 +22,7 @@ fn sextant_with(arguments: &[&str], path: &Path) -> Output {
 
 /// What a command that refuses its input says, on one line.
 fn refused(arguments: &[&str], path: &Path) -> String {
-    let output = sextant_with(arguments, path);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    let said = String::from_utf8(output.stderr).expect("text");
-    said.lines().map(|line| line.trim_start_matches([' ', '│', '×'])).collect::<Vec<_>>().join(" ")
+    sextant_with(arguments, path).refusal()
 }
 
 #[test]

@@ -6,18 +6,13 @@ use std::fs;
 use serde_json::Value;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 /// What `check` says of a scenario with these settings: whether it is good, and what was printed.
 fn check(name: &str, settings: &[&str]) -> (bool, String) {
-    let mut command = sextant();
-    command.args(["check", "-v"]).arg(scenario(name));
-    settings.iter().for_each(|setting| {
-        command.args(["--set", setting]);
-    });
-    let output = command.output().expect("it starts");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    (output.status.success(), text)
+    let output = sextant().args(["check", "-v"]).arg(scenario(name)).args(sets(settings)).output();
+    let (code, printed, message) = output.expect("it starts").all();
+    (code == 0, printed + &message)
 }
 
 fn refused(name: &str, settings: &[&str], parts: &[&str]) {
@@ -79,13 +74,8 @@ fn checks_that_miss_what_could_be_received_are_warned_of() {
 fn run(folder: &std::path::Path, name: &str, from: &str, settings: &[&str]) -> Value {
     let mut command = sextant();
     command.current_dir(folder).arg("run").arg(scenario(from)).args(["--format", "json", "--quiet"]);
-    settings.iter().for_each(|setting| {
-        command.args(["--set", setting]);
-    });
-    command.args(["--pcap", &format!("{name}.pcap"), "--out", &format!("{name}.mcap")]);
-    let output = command.output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a summary")
+    command.args(sets(settings)).args(["--pcap", &format!("{name}.pcap"), "--out", &format!("{name}.mcap")]);
+    command.output().expect("it starts").json()
 }
 
 #[test]

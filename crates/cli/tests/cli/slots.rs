@@ -6,18 +6,11 @@ use std::fs;
 use serde_json::Value;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 /// What `check` says of a scenario with these settings.
 fn refused(name: &str, settings: &[&str]) -> String {
-    let mut command = sextant();
-    command.arg("check").arg(scenario(name));
-    settings.iter().for_each(|setting| {
-        command.args(["--set", setting]);
-    });
-    let output = command.output().expect("it starts");
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).expect("text")
+    sextant().arg("check").arg(scenario(name)).args(sets(settings)).output().expect("it starts").refusal()
 }
 
 #[test]

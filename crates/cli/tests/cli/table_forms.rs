@@ -4,17 +4,10 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 use sextant_channel::Position;
-use sextant_kernel::NodeId;
 use sextant_logs::{FieldNames, FormOptions, RobotLog};
 
-use super::drive::{folder, unwrapped};
-use super::forms::read;
-use super::program::sextant;
-
-/// Stop, packets received and sent, and strength of each reception of a node.
-fn rows(log: &RobotLog, node: u32) -> Vec<(u32, u32, u32, Option<f64>)> {
-    log.log.of(NodeId(node)).iter().map(|at| (at.stop, at.received, at.sent, at.rssi_dbm)).collect()
-}
+use super::forms::{read, rows};
+use super::program::{folder, sextant, unwrapped};
 
 fn places(log: &RobotLog) -> Vec<Position> {
     log.log.stops().iter().map(|stop| stop.position).collect()

@@ -3,7 +3,7 @@
 use assert_cmd::cargo::cargo_bin_cmd;
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant, summary};
+use crate::program::{Said, scenario, sextant, summary};
 
 #[test]
 fn a_recording_of_robots_with_unknown_frames_is_stitched_as_in_the_run() {
@@ -23,8 +23,7 @@ fn a_recording_of_robots_with_unknown_frames_is_stitched_as_in_the_run() {
     ] {
         run.args(["--set", setting]);
     }
-    let output = run.arg("--out").arg(path("run.mcap")).output().expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run.arg("--out").arg(path("run.mcap")).output().expect("it starts").printed();
     let output = sextant().arg("map").arg(path("run.mcap")).arg("--summary").arg(path("map.json")).output();
     let output = output.expect("it starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -6,7 +6,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 /// A recording of a shipped scenario, in a folder of its own.
 struct Recorded {
@@ -18,8 +18,7 @@ impl Recorded {
         let folder = TempDir::new().expect("there is room");
         let mut command = sextant();
         command.arg("run").arg(scenario(name)).arg("--out").arg(folder.path().join("run.mcap"));
-        let output = command.output().expect("it starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        command.output().expect("it starts").printed();
         Self { folder }
     }
 

@@ -7,7 +7,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sets, sextant};
 
 /// Two nodes 2 m from a sink, without losses but those of the MAC.
 const STAR: &str = r#"name = "star"
@@ -68,22 +68,14 @@ impl Folder {
 
     /// The summary of a run that succeeds.
     fn summary(&self, set: &[&str]) -> Value {
-        summary(&self.run(set))
+        self.run(set).json()
     }
 }
 
 fn run(file: &Path, recording: &Path, set: &[&str]) -> Output {
     let mut command = sextant();
     command.arg("run").arg(file).arg("--out").arg(recording).args(["--format", "json", "--quiet"]);
-    set.iter().for_each(|set| {
-        command.args(["--set", set]);
-    });
-    command.output().expect("the program starts")
-}
-
-fn summary(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    command.args(sets(set)).output().expect("the program starts")
 }
 
 fn count(traffic: &Value, key: &str) -> u64 {
@@ -108,7 +100,7 @@ fn each_packet_of_each_shipped_study_is_in_one_outcome() {
     for name in ["saturated-star", "poisson-star", "hidden-nodes", "acknowledged-star", "one-shot-star"] {
         let file = scenario(&format!("mac/{name}.toml"));
         let set = if name == "one-shot-star" { "duration_s=1.0" } else { "duration_s=5.0" };
-        let json = summary(&run(&file, &folder.path().join("a.mcap"), &[set]));
+        let json = run(&file, &folder.path().join("a.mcap"), &[set]).json();
         let mac = &json["mac"];
         assert_eq!(ended(mac), count(mac, "offered"), "{name}: {mac}");
         assert!(count(mac, "delivered") > 0, "{name}");
@@ -246,7 +238,7 @@ fn acknowledged_packets_go_to_a_robot_or_sink_of_their_own_network() {
     let sinks = mac["sinks"].as_array().expect("sinks");
     let received: Vec<_> = sinks.iter().map(|sink| (sink["name"].as_str(), count(sink, "received"))).collect();
     assert_eq!(received, [(Some("other"), 0), (Some("sink"), count(mac, "delivered"))]);
-    let said = refusal(&Folder::new(networks), &["robots.0.network=\"c\""]);
+    let said = Folder::new(networks).run(&["robots.0.network=\"c\""]).refusal();
     assert!(said.contains("robots[0].network") && said.contains("`a`, `b`"), "{said}");
 }
 
@@ -263,13 +255,6 @@ fn every_physical_layer_carries_packets_at_its_rate() {
     // kbit/s on air: 250, 20, 40, 250, 250, 100, 250.
     assert!(rates[1] < 20e3 && rates[1] > 10e3 && (rates[2] / rates[1] - 2.0).abs() < 0.1, "{rates:?}");
     assert!((rates[6] / rates[0] - 1.0).abs() < 0.1 && rates[5] < 0.5 * rates[0], "{rates:?}");
-}
-
-/// What a run says that is refused.
-fn refusal(folder: &Folder, set: &[&str]) -> String {
-    let output = folder.run(set);
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).expect("text")
 }
 
 #[test]
@@ -328,10 +313,10 @@ fn mistakes_are_rejected_at_their_key() {
         (trace("1,west,200\n"), "seed=1", "traffic.trace.file", "127"),
         (trace("1,west,twenty\n"), "seed=1", "traffic.trace.file", "line 2"),
     ] {
-        let said = refusal(&folder, &[set]);
+        let said = folder.run(&[set]).refusal();
         assert!(said.contains(key) && said.contains(words), "{set}: {key} and {words} are not in\n{said}");
     }
-    let without_end = refusal(&Folder::new("[traffic.saturated]\n"), &["duration_s=inf"]);
+    let without_end = Folder::new("[traffic.saturated]\n").run(&["duration_s=inf"]).refusal();
     assert!(without_end.contains("duration_s"), "{without_end}");
 }
 
@@ -340,7 +325,7 @@ fn a_scenario_without_robots_needs_an_end() {
     let folder = Folder::new("[traffic.saturated]\n");
     let text = fs::read_to_string(folder.path("star.toml")).expect("the scenario");
     fs::write(folder.path("star.toml"), text.replace("duration_s = 20.0\n", "")).expect("there is room");
-    let said = refusal(&folder, &[]);
+    let said = folder.run(&[]).refusal();
     assert!(said.contains("robots") && said.contains("duration_s"), "{said}");
 }
 
@@ -352,9 +337,7 @@ fn a_sweep_of_the_load_is_drawn_with_its_intervals() {
     let table = folder.path("star.csv");
     let swept = sextant().arg("sweep").arg(folder.path("star.toml")).arg("--out").arg(&table).arg("--quiet").output();
     assert!(swept.expect("the program starts").status.success());
-    let drawn = sextant().arg("figure").arg(&table).output().expect("the program starts");
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
-    let listed = String::from_utf8(drawn.stdout).expect("text");
+    let listed = sextant().arg("figure").arg(&table).output().expect("the program starts").printed();
     for measure in ["mac-prr", "mac-delay_s-mean", "mac-throughput_bit_per_s"] {
         let file = folder.path(&format!("star.figures/star-{measure}.svg"));
         assert!(listed.contains(&*file.to_string_lossy()), "{listed}");
@@ -369,8 +352,7 @@ fn a_sweep_of_the_load_is_drawn_with_its_intervals() {
 fn a_network_with_sinks_is_drawn_from_its_recording() {
     let folder = Folder::new("[traffic.saturated]\n");
     folder.summary(&["duration_s=1.0"]);
-    let drawn = sextant().arg("figure").arg(folder.path("star.mcap")).output().expect("the program starts");
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    sextant().arg("figure").arg(folder.path("star.mcap")).output().expect("the program starts").printed();
     let svg = fs::read_to_string(folder.path("star.figures/network.svg")).expect("a figure");
     assert!(svg.contains("1 sink") && !svg.contains("stop"), "{svg}");
 }

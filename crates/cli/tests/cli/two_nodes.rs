@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::program::sextant;
+use crate::program::{Said, call, unwrapped};
 
 const BASE: &str = r#"name = "two-nodes"
 duration_s = 10.0
@@ -25,10 +25,6 @@ interval_s = 1.0
 /// Exit code, and standard output and standard error together, of `sextant` with `more` at the end of the scenario.
 pub(crate) fn told_in(folder: &Path, more: &str, words: &[&str]) -> (Option<i32>, String) {
     std::fs::write(folder.join("a.toml"), format!("{BASE}{more}")).expect("there is room");
-    let output = sextant().args(words).current_dir(folder).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    // Messages are broken into lines by their width.
-    let all = format!("{}{}", text(output.stdout), text(output.stderr));
-    let words: Vec<&str> = all.split_whitespace().filter(|word| *word != "│").collect();
-    (output.status.code(), words.join(" "))
+    let (code, printed, message) = call(folder, words).all();
+    (Some(code), unwrapped(&(printed + &message)))
 }

@@ -1,11 +1,10 @@
 //! Nodes that nobody hears: they are in each figure of a study.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, folder, scenario, sets, sextant};
 
 /// A sink, and nodes at these distances from it (m), each with a packet of 20 octets a second for two minutes.
 fn star(distances_m: &[f64]) -> String {
@@ -40,26 +39,15 @@ position_m = [0, 0]
 
 /// The summary of a scenario with these settings.
 fn run(path: &Path, settings: &[&str]) -> Value {
-    let settings = settings.iter().flat_map(|setting| ["--set", setting]);
     let folder = tempfile::tempdir().expect("there is room");
-    let output = sextant()
-        .current_dir(folder.path())
-        .arg("run")
-        .arg(path)
-        .args(["--quiet", "--format", "json"])
-        .args(settings)
-        .output()
-        .expect("it starts");
-    assert!(output.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
+    let mut command = sextant();
+    command.current_dir(folder.path()).arg("run").arg(path).args(["--quiet", "--format", "json"]);
+    command.args(sets(settings)).output().expect("it starts").json()
 }
 
 /// The summary of a text.
 fn run_text(text: &str, settings: &[&str]) -> Value {
-    let folder = tempfile::tempdir().expect("there is room");
-    let path = folder.path().join("scenario.toml");
-    fs::write(&path, text).expect("there is room");
-    run(&path, settings)
+    run(&folder(&[("scenario.toml", text)]).path().join("scenario.toml"), settings)
 }
 
 /// The same without what tells of the work and not of the network: times, events, and which part was simulated.

@@ -4,14 +4,13 @@
 
 use std::path::Path;
 
-use super::drive::{folder, kept, unwrapped};
-use super::program::sextant;
+use super::drive::kept;
+use super::program::{Said, folder, sextant, unwrapped};
 
 /// Runs the program; returns its exit code, what it printed, and its error in one line.
 fn run(words: &[&str]) -> (i32, String, String) {
-    let output = sextant().args(words).env("NO_COLOR", "1").output().unwrap();
-    let text = |octets: &[u8]| String::from_utf8_lossy(octets).into_owned();
-    (output.status.code().unwrap(), text(&output.stdout), unwrapped(&text(&output.stderr)))
+    let (code, printed, message) = sextant().args(words).output().unwrap().all();
+    (code, printed, unwrapped(&message))
 }
 
 /// A pcap file with this magic number and link type, and these frames, a second apart.

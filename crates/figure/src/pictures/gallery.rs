@@ -142,7 +142,7 @@ fn file_name(name: &str, taken: &mut BTreeSet<String>) -> String {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-    use sextant_kernel::{NodeId, RobotId, SimTime};
+    use sextant_kernel::NodeId;
     use sextant_recording::RecordedWorld;
 
     use super::*;
@@ -153,16 +153,8 @@ mod tests {
         let site = |i: u32| Position::new(f64::from(i % 20), f64::from(i / 20), 0.0);
         let nodes: Places = (0..400).map(|i| (NodeId(i), site(i))).collect();
         let mapped = nodes.iter().skip(3).map(|(&node, &place)| (node, place + Position::new(0.1, 0.0, 0.0)));
-        let stop = |i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: site(i), heading_rad: None };
-        let heard = |i| Reception {
-            node: NodeId(i),
-            stop: i,
-            received: 1,
-            sent: 1,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        };
+        let stop = |i| Stop::at(site(i));
+        let heard = |i| Reception::heard(NodeId(i), i, 1, 1);
         let names = (0..400).map(|i| format!("n{i}")).collect();
         let log = ReceptionLog::new(names, (0..400).map(stop).collect(), (0..400).map(heard).collect(), Vec::new())
             .unwrap();

@@ -40,20 +40,14 @@ pub(crate) fn note(name: &str, samples: &[RangeSample]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_channel::{Mounting, Position};
-    use sextant_kernel::{NodeId, RobotId, SimTime};
+    use sextant_channel::Position;
+    use sextant_kernel::NodeId;
 
     #[test]
     fn ranges_in_another_unit_are_told() {
         let samples = |factor: f64| -> Vec<RangeSample> {
-            let sample = |at: u32| RangeSample {
-                mounting: Mounting::default(),
-                node: NodeId(0),
-                robot: RobotId(0),
-                time: SimTime::ZERO,
-                position: Position::new(f64::from(at), 0.0, 0.0),
-                velocity: Position::ORIGIN,
-                range_m: factor * (3.0 + f64::from(at % 7)),
+            let sample = |at: u32| {
+                RangeSample::of(NodeId(0), Position::new(f64::from(at), 0.0, 0.0), factor * (3.0 + f64::from(at % 7)))
             };
             (0..30).map(sample).collect()
         };

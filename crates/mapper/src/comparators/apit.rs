@@ -1,7 +1,5 @@
 //! APIT (He et al. 2003): finds the triangles of anchors that hold a node, by comparison with its neighbours.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -9,18 +7,17 @@ use super::centroid::weighted_mean;
 use super::graph::Graph;
 use super::heard_anchors::{HeardAnchors, NamedAnchor};
 use super::{check_link_share, default_link_share, node_by_node};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::whole;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ApitConfig {
     /// Distance between neighbouring grid points (m).
     pub grid_step_m: f64,
@@ -64,20 +61,23 @@ impl TryFrom<ApitConfig> for Apit {
 /// Maximum number of grid points along an axis.
 const MOST_POINTS: usize = 2000;
 
-impl Apit {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "apit";
+impl Comparator for Apit {
+    const NAME: &'static str = "apit";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] =
-        &[KnowledgeKind::Neighbours, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::Neighbours, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors]
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        3
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of anchors and neighbours; [`MapError::TooFewAnchors`] below three;
     /// [`MapError::PlanarOnly`] if the anchors have different heights; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let anchors = HeardAnchors::new(knowledge, Self::NAME, 3)?;
         if knowledge.dimensions() != 2 {
             return Err(MapError::PlanarOnly(Self::NAME));
@@ -94,7 +94,9 @@ impl Apit {
         let places = node_by_node(Self::NAME, anchors.node_count(), self.operations(knowledge), watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
+}
 
+impl Apit {
     /// Triangles times grid points that vote on the place of one node, at most.
     fn operations(&self, knowledge: &Knowledge<'_>) -> f64 {
         let places = || knowledge.anchors.iter().map(|anchor| anchor.position);
@@ -190,32 +192,6 @@ fn holds([a, b, c]: [Position; 3], point: Position) -> bool {
         |p: Position, q: Position| (q.x_m - p.x_m) * (point.y_m - p.y_m) - (q.y_m - p.y_m) * (point.x_m - p.x_m);
     let sides = [side(a, b), side(b, c), side(c, a)];
     sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
-}
-
-impl Estimator for Apit {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, _: usize) -> usize {
-        3
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for ApitConfig {

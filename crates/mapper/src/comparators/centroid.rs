@@ -1,24 +1,21 @@
 //! Centroids of the anchors that a node heard (Bulusu, Heidemann and Estrin 2000), plain and weighted.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper, Messages};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The centroid as written in a scenario: it has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct CentroidConfig {}
 
 /// The centroid of all anchors that a node heard. A node that heard none is not placed. Anchors keep their known
@@ -26,28 +23,35 @@ pub struct CentroidConfig {}
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Centroid;
 
-impl Centroid {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "centroid";
+impl Comparator for Centroid {
+    const NAME: &'static str = "centroid";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors]
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any;
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         map(knowledge, Self::NAME, watch, |_| 1.0)
     }
 }
 
 /// The weighted centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct WeightedCentroidConfig {
     /// How signal strengths become distances.
     pub ranging: RangingConfig,
@@ -81,20 +85,27 @@ impl TryFrom<WeightedCentroidConfig> for WeightedCentroid {
     }
 }
 
-impl WeightedCentroid {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "weighted-centroid";
+impl Comparator for WeightedCentroid {
+    const NAME: &'static str = "weighted-centroid";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] =
-        &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss]
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any;
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         map(knowledge, Self::NAME, watch, |rssi_dbm| libm::pow(self.ranging.distance_m(rssi_dbm), -self.degree))
     }
 }
@@ -123,61 +134,9 @@ pub(super) fn weighted_mean(places: &[(Position, f64)]) -> Option<Position> {
         .then(|| places.iter().fold(Position::ORIGIN, |sum, &(place, weight)| sum + place * (weight / total)))
 }
 
-impl Estimator for Centroid {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, _: usize) -> usize {
-        1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Beacons
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
-}
-
 impl EstimatorSettings for CentroidConfig {
     fn mapper(self) -> Result<Mapper, SettingError> {
         Ok(Mapper::new(Centroid))
-    }
-}
-
-impl Estimator for WeightedCentroid {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, _: usize) -> usize {
-        1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Beacons
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
     }
 }
 

@@ -1,7 +1,5 @@
 //! DR-MDS (Peng and Li 2014), reconstructed: scaling of distances that are straight over two hops.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Watch};
 
 use super::frame::FrameConfig;
@@ -11,18 +9,17 @@ use super::mds::classical_mds;
 use super::mds_map::of_parts;
 use super::smacof::{PairDistance, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::topology_map::TopologyMap;
 
 /// DR-MDS as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DrMdsConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
@@ -76,18 +73,14 @@ impl TryFrom<DrMdsConfig> for DrMds {
     }
 }
 
-impl DrMds {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "dr-mds";
+impl Comparator for DrMds {
+    const NAME: &'static str = "dr-mds";
 
-    /// The kinds of knowledge that it uses.
-    #[must_use]
-    pub fn uses(&self) -> &'static [KnowledgeKind] {
+    fn uses(&self) -> &'static [KnowledgeKind] {
         self.frame.uses_ranges()
     }
 
-    /// Least number of anchors for a map.
-    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+    fn least_anchors(&self, dimensions: usize) -> usize {
         self.frame.least_anchors(dimensions)
     }
 
@@ -96,7 +89,7 @@ impl DrMds {
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let log = knowledge.neighbours(Self::NAME)?;
         let dimensions = self.dimensions.of(knowledge);
         if self.frame == FrameConfig::Anchors {
@@ -129,32 +122,6 @@ fn usual_reach_m(pairs: &[PairDistance]) -> f64 {
     distances_m.sort_unstable_by(f64::total_cmp);
     let last = distances_m.len().saturating_sub(1) as f64;
     distances_m.get(crate::numerics::whole(APART * last)).copied().unwrap_or(0.0)
-}
-
-impl Estimator for DrMds {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        self.uses()
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        self.least_anchors(dimensions)
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for DrMdsConfig {

@@ -1,25 +1,22 @@
 //! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
 use sextant_kernel::{SettingError, Watch};
 
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
+use crate::comparators::Comparator;
 use crate::comparators::lateration::{Range, multilaterate};
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DvHopConfig {
     /// How an anchor computes the length of a hop.
     pub hop_length: HopLength,
@@ -29,9 +26,8 @@ pub struct DvHopConfig {
 
 /// How an anchor computes the length of a hop from its distances and hops to the other anchors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum HopLength {
     /// Sum of the distances divided by the sum of the hops.
     #[default]
@@ -64,19 +60,23 @@ impl TryFrom<DvHopConfig> for DvHop {
     }
 }
 
-impl DvHop {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "dv-hop";
+impl Comparator for DvHop {
+    const NAME: &'static str = "dv-hop";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors]
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
     /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
@@ -126,32 +126,6 @@ pub(super) fn hop_length_m(rule: HopLength, anchor: &Anchor, hops: &[u32], ancho
         below += weight * count;
     }
     (below > 0.0).then(|| above / below)
-}
-
-impl Estimator for DvHop {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        dimensions + 1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for DvHopConfig {

@@ -1,7 +1,5 @@
 //! The frames of maps of hops and ranges.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
@@ -11,9 +9,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// What a map without the frame of the world is aligned to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum FrameConfig {
     /// The anchors, by the similarity that fits them best. Parts of the network that have fewer anchors than the
     /// number of dimensions plus two are not mapped.

@@ -1,7 +1,5 @@
 //! Nodes from which hops are counted.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
 use crate::purpose;
@@ -10,9 +8,8 @@ use super::graph::{Graph, UNREACHED};
 
 /// How to choose the nodes from which hops are counted, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum LandmarksConfig {
     /// One after the other; each is as many hops as possible from those before.
     FarthestPoints(CountConfig),
@@ -27,9 +24,8 @@ pub enum LandmarksConfig {
 
 /// How many nodes, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct CountConfig {
     /// Nodes in each connected part of the network: 4 or more.
     pub count: usize,
@@ -43,9 +39,8 @@ impl Default for CountConfig {
 
 /// Extreme node search, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ExtremeConfig {
     /// Hops within which a node's coordinate must be the highest or the lowest: 1 or more.
     pub hops: u32,

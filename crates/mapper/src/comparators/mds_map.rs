@@ -1,8 +1,6 @@
 //! MDS-MAP (Shang et al. 2003): classical scaling of hop counts between all pairs of nodes.
 
 use nalgebra::DMatrix;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
@@ -10,18 +8,17 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
 use crate::topology_map::TopologyMap;
 
 /// MDS-MAP as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct MdsMapConfig {
     /// What the map is aligned to.
     pub frame: FrameConfig,
@@ -58,21 +55,17 @@ impl TryFrom<MdsMapConfig> for MdsMap {
     }
 }
 
-impl MdsMap {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "mds-map";
+impl Comparator for MdsMap {
+    const NAME: &'static str = "mds-map";
 
-    /// The kinds of knowledge that it uses.
-    #[must_use]
-    pub fn uses(&self) -> &'static [KnowledgeKind] {
+    fn uses(&self) -> &'static [KnowledgeKind] {
         match self.frame {
             FrameConfig::Anchors => &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors],
             FrameConfig::Relative => &[KnowledgeKind::Neighbours],
         }
     }
 
-    /// Least number of anchors for a map.
-    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+    fn least_anchors(&self, dimensions: usize) -> usize {
         self.frame.least_anchors(dimensions)
     }
 
@@ -81,7 +74,7 @@ impl MdsMap {
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
         let (places, part_of) = of_parts(&graph, Self::NAME, dimensions, |part| {
@@ -136,32 +129,6 @@ pub(super) fn scaled(
         }
     }
     Ok(classical_mds(hops, algorithm, dimensions, watch)?)
-}
-
-impl Estimator for MdsMap {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        self.uses()
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        self.least_anchors(dimensions)
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for MdsMapConfig {

@@ -3,6 +3,7 @@
 mod apit;
 mod arrival;
 mod centroid;
+mod comparator;
 mod dr_mds;
 mod dv_hop;
 mod eigenpairs;
@@ -34,6 +35,7 @@ pub use arrival::{
     AngleOfArrival, AngleOfArrivalConfig, TimeDifference, TimeDifferenceConfig, TimeOfArrival, TimeOfArrivalConfig,
 };
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
+pub use comparator::Comparator;
 pub use dr_mds::{DrMds, DrMdsConfig};
 pub use dv_hop::{DvHop, DvHopConfig, HopLength};
 pub use frame::FrameConfig;

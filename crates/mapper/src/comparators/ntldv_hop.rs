@@ -1,7 +1,5 @@
 //! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{SettingError, Watch};
 
@@ -9,19 +7,18 @@ use super::dv_hop::{HopLength, hop_length_m};
 use super::graph::{Graph, UNREACHED};
 use super::upright_anchors::{ReachedAnchor, sort_nearest_first, upright};
 use super::{check_link_share, default_link_share, node_by_node};
+use crate::comparators::Comparator;
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct NtldvHopConfig {
     /// How an anchor computes the length of a hop.
     pub hop_length: HopLength,
@@ -99,19 +96,23 @@ struct Field<'a> {
     dimensions: usize,
 }
 
-impl NtldvHop {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "ntldv-hop";
+impl Comparator for NtldvHop {
+    const NAME: &'static str = "ntldv-hop";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors]
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
     /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.config.link_share);
@@ -133,7 +134,9 @@ impl NtldvHop {
         let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
+}
 
+impl NtldvHop {
     fn place(&self, field: &Field<'_>, node: usize) -> Option<Position> {
         let reached = (0..field.anchors.len()).filter(|&anchor| field.hops[anchor][node] != UNREACHED);
         let reach = |anchor: usize| ReachedAnchor {
@@ -181,32 +184,6 @@ fn clamped(place: Position, field: &Field<'_>, margin_m: f64) -> Position {
             place[axis].clamp(low, along(axis).fold(f64::NEG_INFINITY, f64::max) + margin_m)
         })
         .into()
-}
-
-impl Estimator for NtldvHop {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        dimensions + 1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for NtldvHopConfig {

@@ -1,7 +1,5 @@
 //! Centroids of the stops that heard a node, weighted by the packets that they received.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -16,9 +14,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct PacketCentroidConfig {
     /// Each stop weighs the share of the packets that it received to this power: above 0, at most 100.
     pub power: f64,
@@ -133,27 +130,13 @@ impl EstimatorSettings for PacketCentroidConfig {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
 
     #[test]
     fn weights_are_powers_of_the_shares_received() {
-        let stop = |x_m| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(x_m, 0.0, 0.0),
-            heading_rad: None,
-        };
-        let heard = |stop, received| Reception {
-            node: NodeId(0),
-            stop,
-            received,
-            sent: 8,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        };
+        let stop = |x_m| Stop::at(Position::new(x_m, 0.0, 0.0));
+        let heard = |stop, received| Reception::heard(NodeId(0), stop, received, 8);
         let names = vec!["heard".to_owned(), "unheard".to_owned()];
         let log =
             ReceptionLog::new(names, vec![stop(0.0), stop(9.0), stop(50.0)], vec![heard(0, 8), heard(1, 4)], vec![]);

@@ -1,25 +1,22 @@
 //! Cooperative maximum likelihood on signal strengths (Patwari et al. 2003): all places at once.
 
 use nalgebra::{Matrix3, Vector3};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::ranging::{Ranging, RangingConfig};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RssMlConfig {
     /// How power falls with distance.
     pub ranging: RangingConfig,
@@ -76,20 +73,23 @@ struct Measured {
     weight: f64,
 }
 
-impl RssMl {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "rss-ml";
+impl Comparator for RssMl {
+    const NAME: &'static str = "rss-ml";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] =
-        &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss]
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of neighbours and anchors; [`MapError::TooFewAnchors`] below three, in
     /// space four; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         knowledge.anchors(Self::NAME, dimensions + 1)?;
         let known = knowledge.known_places();
@@ -120,7 +120,9 @@ impl RssMl {
         let places = start.iter().zip(places).map(|(start, place)| start.map(|_| place)).collect();
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
+}
 
+impl RssMl {
     /// A first place for each node with a chain of links to an anchor.
     fn start(
         &self,
@@ -291,32 +293,6 @@ impl LeastSquares for PlacesFit<'_> {
 
 fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}
-
-impl Estimator for RssMl {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        dimensions + 1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for RssMlConfig {

@@ -1,8 +1,6 @@
 //! SMACOF (de Leeuw 1977): stress majorisation of ranges between neighbours.
 
 use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::maths::cholesky_watched;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
@@ -11,18 +9,17 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds_map::{of_parts, scaled};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::topology_map::TopologyMap;
 
 /// SMACOF as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SmacofConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
@@ -86,18 +83,14 @@ impl TryFrom<SmacofConfig> for Smacof {
     }
 }
 
-impl Smacof {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "smacof";
+impl Comparator for Smacof {
+    const NAME: &'static str = "smacof";
 
-    /// The kinds of knowledge that it uses.
-    #[must_use]
-    pub fn uses(&self) -> &'static [KnowledgeKind] {
+    fn uses(&self) -> &'static [KnowledgeKind] {
         self.frame.uses_ranges()
     }
 
-    /// Least number of anchors for a map.
-    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+    fn least_anchors(&self, dimensions: usize) -> usize {
         self.frame.least_anchors(dimensions)
     }
 
@@ -106,7 +99,7 @@ impl Smacof {
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let log = knowledge.neighbours(Self::NAME)?;
         let graph = Graph::of(log, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
@@ -287,32 +280,6 @@ fn majorised(
         before = after;
     }
     Ok(Some(places))
-}
-
-impl Estimator for Smacof {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        self.uses()
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        self.least_anchors(dimensions)
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for SmacofConfig {

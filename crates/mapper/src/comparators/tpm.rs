@@ -2,8 +2,6 @@
 //! few of them.
 
 use nalgebra::DMatrix;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
@@ -11,19 +9,18 @@ use super::eigenpairs::{self, SPARE};
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Landmarks, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Landmarks, Mapper, Messages};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::numerics::memory::check_table;
 use crate::purpose;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct TpmConfig {
     /// The nodes from which hops are counted.
     pub landmarks: LandmarksConfig,
@@ -40,9 +37,8 @@ pub struct TpmConfig {
 
 /// The hop counts from which the axes of a map are computed, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AxesConfig {
     /// Those of all nodes.
     #[default]
@@ -89,16 +85,25 @@ impl TryFrom<TpmConfig> for Tpm {
     }
 }
 
-impl Tpm {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "tpm";
+impl Comparator for Tpm {
+    const NAME: &'static str = "tpm";
 
-    /// The kinds of knowledge that it uses. It never uses the places of anchors, even if hops are counted from them.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        // Never the places of anchors, even if hops are counted from them.
+        &[KnowledgeKind::Neighbours]
+    }
 
-    /// Least number of anchors for a map.
-    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+    fn least_anchors(&self, dimensions: usize) -> usize {
         if self.landmarks == (LandmarksConfig::Anchors {}) { dimensions + 2 } else { 0 }
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Floods(match self.landmarks {
+            LandmarksConfig::FarthestPoints(CountConfig { count })
+            | LandmarksConfig::Random(CountConfig { count }) => Landmarks::Count(count),
+            LandmarksConfig::Anchors {} => Landmarks::Anchors,
+            LandmarksConfig::ExtremeNodeSearch(_) => Landmarks::Sought,
+        })
     }
 
     /// The map.
@@ -106,7 +111,7 @@ impl Tpm {
     /// # Errors
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
         let anchors = knowledge.anchors(Self::NAME, self.least_anchors(dimensions))?;
@@ -128,7 +133,9 @@ impl Tpm {
         }
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::Relative(part_of)))
     }
+}
 
+impl Tpm {
     /// The places of one connected part.
     fn part(
         &self,
@@ -186,37 +193,6 @@ fn right_singular_vectors(p: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> 
         }
     }
     Ok(v)
-}
-
-impl Estimator for Tpm {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        self.least_anchors(dimensions)
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Floods(match self.landmarks {
-            LandmarksConfig::FarthestPoints(CountConfig { count })
-            | LandmarksConfig::Random(CountConfig { count }) => Landmarks::Count(count),
-            LandmarksConfig::Anchors {} => Landmarks::Anchors,
-            LandmarksConfig::ExtremeNodeSearch(_) => Landmarks::Sought,
-        })
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for TpmConfig {

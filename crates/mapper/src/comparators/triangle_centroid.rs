@@ -1,27 +1,24 @@
 //! RSSI triangle centroid: circles round the strongest anchors, three by three. Reconstructed from descriptions in
 //! later work. How the original smoothed signal strengths is not known.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
 use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
+use crate::comparators::Comparator;
 use crate::comparators::lateration::{Range, multilaterate_linear};
 use crate::error::MapError;
-use crate::estimator::{Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{EstimatorSettings, Mapper, Messages};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct TriangleCentroidConfig {
     /// How signal strengths become distances.
     pub ranging: RangingConfig,
@@ -35,9 +32,8 @@ pub struct TriangleCentroidConfig {
 
 /// How the triangles of a node are averaged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum TriangleWeights {
     /// All triangles have the same weight.
     #[default]
@@ -91,20 +87,27 @@ struct Circle {
     radius_m: f64,
 }
 
-impl TriangleCentroid {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "rssi-triangle-centroid";
+impl Comparator for TriangleCentroid {
+    const NAME: &'static str = "rssi-triangle-centroid";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] =
-        &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss]
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
 
     /// The map.
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] below three, in space four;
     /// [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         let anchors = HeardAnchors::new(knowledge, Self::NAME, dimensions + 1)?;
         let place = |node| {
@@ -127,7 +130,9 @@ impl TriangleCentroid {
         let places = node_by_node(Self::NAME, anchors.node_count(), operations, watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
+}
 
+impl TriangleCentroid {
     fn place(&self, circles: &[Circle], dimensions: usize) -> Option<Position> {
         let weight = |circles: &[Circle]| match self.weights {
             TriangleWeights::Equal => 1.0,
@@ -199,32 +204,6 @@ fn tetrahedron(spheres: [Circle; 4]) -> Option<Position> {
         return None;
     }
     multilaterate_linear(&spheres.map(|sphere| Range::new(sphere.centre, sphere.radius_m)), 3).ok()
-}
-
-impl Estimator for TriangleCentroid {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn least_anchors(&self, dimensions: usize) -> usize {
-        dimensions + 1
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Beacons
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for TriangleCentroidConfig {

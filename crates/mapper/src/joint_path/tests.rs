@@ -1,5 +1,5 @@
-use sextant_channel::{Mounting, Position, RangeSample, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_channel::{Position, RangeSample, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime, Unwatched};
 
 use super::*;
 
@@ -44,10 +44,8 @@ fn place([x_m, y_m]: [f64; 2]) -> Position {
 /// Stops on the believed path, with the ranges or the packets of the true one.
 fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
     let stop = |(step, (_, believed)): (usize, &([f64; 2], [f64; 2]))| Stop {
-        robot: RobotId(0),
         time: time(step),
-        position: place(*believed),
-        heading_rad: None,
+        ..Stop::at(place(*believed))
     };
     let stops = drive.iter().enumerate().map(stop).collect();
     let nodes: Vec<Position> = if has_ranges {
@@ -62,13 +60,12 @@ fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
     let distance_m = |node: usize, step: usize| place(drive[step].0).distance_m(nodes[node]);
     if has_ranges {
         let samples = pairs().map(|(node, step)| RangeSample {
-            mounting: Mounting::default(),
-            node: NodeId::from_index(node),
-            robot: RobotId(0),
             time: time(step),
-            position: place(drive[step].1),
-            velocity: Position::ORIGIN,
-            range_m: distance_m(node, step) + 0.3 + 0.1 * normal([node as u64, step as u64]),
+            ..RangeSample::of(
+                NodeId::from_index(node),
+                place(drive[step].1),
+                distance_m(node, step) + 0.3 + 0.1 * normal([node as u64, step as u64]),
+            )
         });
         let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).unwrap();
         return log.with_ranges(samples.collect()).unwrap();
@@ -77,15 +74,9 @@ fn log(drive: &[([f64; 2], [f64; 2])], has_ranges: bool) -> ReceptionLog {
         let share = 0.95 / (1.0 + libm::exp((distance_m(node, step) - 3.0) / 0.3));
         Seed(3).uniform(Purpose::new(8), [node as u64, step as u64, 0]) < share
     };
-    let heard = pairs().filter(is_heard).map(|(node, step)| Reception {
-        node: NodeId::from_index(node),
-        stop: u32::try_from(step).unwrap(),
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: None,
-        snr_db: None,
-    });
+    let heard = pairs()
+        .filter(is_heard)
+        .map(|(node, step)| Reception::heard(NodeId::from_index(node), u32::try_from(step).unwrap(), 1, 1));
     ReceptionLog::new(names, stops, heard.collect(), Vec::new()).unwrap()
 }
 

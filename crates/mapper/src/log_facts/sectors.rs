@@ -1,15 +1,12 @@
 //! How the antenna sector in which a node was heard is used.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
 use sextant_kernel::SettingError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorsConfig {
     /// How far outside the sector of a reception a vertex may lie.
     #[cfg_attr(feature = "config", serde(default))]
@@ -28,9 +25,8 @@ pub struct SectorsConfig {
 
 /// How likely a node names a sector, given the direction to it.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorModel {
     /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
     Wedge,
@@ -57,9 +53,8 @@ pub(crate) enum GainUse {
 /// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
 /// elliptical: its half-power widths are those of the sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SoftSectorsConfig {
     /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
     #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
@@ -76,9 +71,8 @@ impl Default for SoftSectorsConfig {
 
 /// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SilenceRule {
     /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
     /// with its tolerance holds it.
@@ -91,9 +85,8 @@ pub enum SilenceRule {
 /// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
 /// vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
     Positional,
@@ -110,9 +103,12 @@ pub enum SectorTolerance {
 
 /// The sectors of a listener as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(
+    feature = "config",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum SectorLayoutConfig {
     /// Sectors of equal width all round.
     Even(EvenSectorsConfig),

@@ -1,13 +1,11 @@
 //! How far the mapped nodes are from their true places.
 
-#[cfg(feature = "config")]
-use serde::Serialize;
 use sextant_channel::Position;
 
 /// Distribution of the distance between true and mapped places (m). Quantiles between two nodes are
 /// interpolated linearly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize))]
 pub struct PositionError {
     /// Mean (m).
     pub mean: f64,

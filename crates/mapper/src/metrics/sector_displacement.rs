@@ -2,8 +2,6 @@
 
 use std::f64::consts::TAU;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{CellIndex, Position};
 
 use super::error::MetricError;
@@ -42,9 +40,8 @@ pub enum SectorDistance {
 
 /// The displacement of a node from those of its neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum NodeDisplacement {
     /// The median; of two in the middle, the lower one.
     #[default]

@@ -2,12 +2,9 @@
 
 use std::fmt;
 
-#[cfg(feature = "config")]
-use serde::Serialize;
-
 /// Why the place of a node is not reliable, although the algorithm gives one. A node with a concern has not converged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize))]
 #[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum Concern {
     /// The 95 % region of the node reaches an end of the area in which it was searched for that no setting gives: the node

@@ -26,6 +26,14 @@ pub struct Estimate {
     pub concern: Option<Concern>,
 }
 
+impl Estimate {
+    /// A place of which nothing else is known.
+    #[must_use]
+    pub fn of_place(position: Position) -> Self {
+        Self { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false, concern: None }
+    }
+}
+
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
 pub(crate) const POINTS: [(f64, f64); 3] =
     [(-1.732_050_807_568_877_2, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732_050_807_568_877_2, 1.0 / 6.0)];

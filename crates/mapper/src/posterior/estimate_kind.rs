@@ -1,13 +1,9 @@
 //! How a place is estimated from the likelihood of a node.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// How the place is estimated from the likelihood of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum EstimateKind {
     /// The vertex of highest likelihood.
     #[default]
@@ -18,9 +14,8 @@ pub enum EstimateKind {
 
 /// Which place represents several vertices that share the highest likelihood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum TieRule {
     /// Their mean, if the vertex nearest to the mean is one of them. Otherwise they lie in separate places, and the
     /// one nearest to the mean is taken.

@@ -110,8 +110,8 @@ fn mean_length(variances: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_channel::{Mounting, RangingDeviceConfig, Stop};
-    use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
+    use sextant_channel::{RangingDeviceConfig, Stop};
+    use sextant_kernel::{Purpose, Seed, SimTime};
 
     #[test]
     fn mean_lengths_are_those_of_draws() {
@@ -133,16 +133,11 @@ mod tests {
         let bound = |config: RangingDeviceConfig, corners: &[(f64, f64)]| {
             let device = RangingDevice::try_from(config).unwrap();
             let sample = |(number, &(x_m, y_m)): (usize, &(f64, f64))| RangeSample {
-                mounting: Mounting::default(),
-                node: NodeId(0),
-                robot: RobotId(0),
                 time: SimTime::from_nanos(number as u64),
-                position: Position::new(x_m, y_m, 0.0),
-                velocity: Position::ORIGIN,
-                range_m: 5.0,
+                ..RangeSample::of(NodeId(0), Position::new(x_m, y_m, 0.0), 5.0)
             };
             let samples = corners.iter().enumerate().map(sample).collect();
-            let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+            let stop = Stop::at(Position::ORIGIN);
             let log = ReceptionLog::new(vec!["a".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
             let log = log.with_ranges(samples).unwrap();
             let model = TrueRanges {

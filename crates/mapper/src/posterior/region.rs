@@ -85,14 +85,7 @@ mod tests {
 
     fn estimate(covariance: [[f64; 3]; 3]) -> Estimate {
         let position = Position::new(1.0, 2.0, 0.0);
-        Estimate {
-            position,
-            log_likelihood: Some(0.0),
-            ties: 1,
-            covariance: Some(covariance),
-            infeasible: false,
-            concern: None,
-        }
+        Estimate { log_likelihood: Some(0.0), covariance: Some(covariance), ..Estimate::of_place(position) }
     }
 
     #[test]

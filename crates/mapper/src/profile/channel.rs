@@ -1,7 +1,5 @@
 //! The reception profile that a known channel implies.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{
     ChannelConfig, ChannelLaw, CorrelationConfig, Db, Dbm, LogDistanceConfig, PathLossConfig, ShadowingConfig,
 };
@@ -15,9 +13,8 @@ use crate::profile::table::TableProfile;
 /// The profile of a known channel as written in a scenario. In a scenario, absent values come from its radio, channel
 /// and traffic. Elsewhere, the first four values are required.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ChannelProfileConfig {
     /// Path loss exponent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -72,9 +69,8 @@ pub struct ChannelProfileConfig {
 
 /// Whether a map knows the obstacles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ObstacleUse {
     /// It knows no obstacles.
     #[default]

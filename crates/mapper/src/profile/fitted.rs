@@ -1,13 +1,9 @@
 //! The settings of a profile that is estimated from the log.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 /// The fitted profile as written in a scenario: a curve that never rises and is estimated from the log.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct FittedConfig {
     /// Maximum number of rounds, 1 or more. The estimation then ends even if it has not converged.
     #[cfg_attr(feature = "config", serde(default = "default_max_rounds"))]

@@ -1,7 +1,5 @@
 //! Reception profiles: how likely a packet is received over a distance.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 mod cell;
@@ -25,9 +23,12 @@ pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
 
 /// A reception profile as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(
+    feature = "config",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum ProfileConfig {
     /// Constant near the node, then falling linearly to 0.
     Trapezoid(TrapezoidConfig),

@@ -1,16 +1,13 @@
 //! The trapezoid: a constant probability near the node, then a straight line down to 0.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::limits::{ProfileLimits, above_0_to_1};
 
 /// The trapezoid as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct TrapezoidConfig {
     /// Reception probability next to the node, above 0, at most 1.
     pub p0: f64,

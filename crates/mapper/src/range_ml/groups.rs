@@ -138,27 +138,18 @@ fn runs(samples: &[RangeSample]) -> impl Iterator<Item = &[RangeSample]> {
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::Stop;
 
     use super::*;
 
     fn sample(node: u32, x_m: f64, speed: f64, range_m: f64) -> RangeSample {
         let (position, velocity) = (Position::new(x_m, 0.0, 0.0), Position::new(speed, 0.0, 0.0));
-        RangeSample {
-            node: NodeId(node),
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position,
-            mounting: Mounting::default(),
-            velocity,
-            range_m,
-        }
+        RangeSample { velocity, ..RangeSample::of(NodeId(node), position, range_m) }
     }
 
     #[test]
     fn ranges_of_one_place_and_of_half_a_metre_of_path_are_one_group() {
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let stop = Stop::at(Position::ORIGIN);
         let log = ReceptionLog::new(vec!["a".into(), "b".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
         let driving = [0.0, 0.3, 0.5, 0.9, 1.0].map(|x_m| sample(1, x_m, 1.0, 5.0 + x_m));
         let standing =

@@ -12,8 +12,6 @@ mod solution;
 mod spread;
 mod unit;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
@@ -37,9 +35,8 @@ const USUAL_BIAS_M: f64 = 1.0;
 
 /// Maximum likelihood on ranges as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RangeMlConfig {
     /// Which biases of ranges are estimated.
     pub bias: NodeBias,
@@ -56,9 +53,8 @@ pub struct RangeMlConfig {
 
 /// Which biases of ranges are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum NodeBias {
     /// None: ranges are right on average.
     None,

@@ -132,11 +132,8 @@ pub(super) fn estimate(
     }
     let entry = |row: usize| [covariance[(row, 0)], covariance[(row, 1)], covariance[(row, 2)]];
     Estimate {
-        position: Position::new(mean[0], mean[1], mean[2]),
-        log_likelihood: None,
-        ties: 1,
         covariance: Some([entry(0), entry(1), entry(2)]),
-        infeasible: false,
         concern: concern(&covariance),
+        ..Estimate::of_place(Position::new(mean[0], mean[1], mean[2]))
     }
 }

@@ -1,7 +1,7 @@
 //! Maps from ranges that were made with known places and errors.
 
-use sextant_channel::{Mounting, Position, RangeSample, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_channel::{Position, RangeSample, Stop};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime, Unwatched};
 
 use super::*;
 
@@ -36,20 +36,12 @@ fn log(nodes: &[Position], corners: &[Position], errors: Errors) -> ReceptionLog
                 let range_m = (1.0 + errors.scale) * distance_m + errors.bias_m + noise + late + wild;
                 let time = SimTime::from_nanos(crate::numerics::whole((time_s + along_m) * 1e9) as u64);
                 let node = NodeId::from_index(node);
-                samples.push(RangeSample {
-                    node,
-                    robot: RobotId(0),
-                    time,
-                    position,
-                    mounting: Mounting::default(),
-                    velocity,
-                    range_m,
-                });
+                samples.push(RangeSample { time, velocity, ..RangeSample::of(node, position, range_m) });
             }
         }
         time_s += length_m;
     }
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: corners[0], heading_rad: None };
+    let stop = Stop::at(corners[0]);
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, vec![stop], Vec::new(), Vec::new()).unwrap().with_ranges(samples).unwrap()
 }
@@ -182,18 +174,14 @@ fn settings_beyond_their_limits_are_refused() {
 
 /// The log of ranges to a node at `place` from these stops, too long by `bias_m`, with noise, in which `seed` has part.
 fn at_stops(seed: u64, stops: &[Position], place: Position, bias_m: f64, noise_m: f64) -> ReceptionLog {
-    let sample = |(number, &position): (usize, &Position)| RangeSample {
-        node: NodeId(0),
-        robot: RobotId(0),
-        time: SimTime::ZERO,
-        position,
-        mounting: Mounting::default(),
-        velocity: Position::ORIGIN,
-        range_m: position.distance_m(place)
-            + bias_m
-            + noise_m * Seed(seed).normal(Purpose::new(8), [number as u64, 0, 0]),
+    let sample = |(number, &position): (usize, &Position)| {
+        RangeSample::of(
+            NodeId(0),
+            position,
+            position.distance_m(place) + bias_m + noise_m * Seed(seed).normal(Purpose::new(8), [number as u64, 0, 0]),
+        )
     };
-    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: stops[0], heading_rad: None };
+    let stop = Stop::at(stops[0]);
     let log = ReceptionLog::new(vec!["n0".into()], vec![stop], Vec::new(), Vec::new()).unwrap();
     log.with_ranges(stops.iter().enumerate().map(sample).collect()).unwrap()
 }

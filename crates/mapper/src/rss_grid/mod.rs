@@ -12,8 +12,6 @@ mod tiles;
 mod zoom;
 
 use rayon::prelude::*;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
@@ -42,9 +40,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct RssGridConfig {
     /// Distance of neighbouring grid vertices (m). If absent, a sixtieth of the reach seen in the log, or a fortieth in
     /// space.

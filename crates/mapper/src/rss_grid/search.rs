@@ -283,7 +283,7 @@ impl RelevantVertices {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use sextant_kernel::{Purpose, RobotId, Seed, SimTime, Unwatched};
+    use sextant_kernel::{Purpose, Seed, Unwatched};
 
     use super::*;
     use crate::ranging::{Ranging, RangingConfig};
@@ -338,7 +338,7 @@ mod tests {
         let height_m = if is_spatial { 6.0 } else { 0.0 };
         let stops: Vec<Stop> = (0..count)
             .map(|i| Position::new(20.0 * draw(i, 0), 14.0 * draw(i, 1), height_m * draw(i, 2)))
-            .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+            .map(Stop::at)
             .collect();
         let config = RangingConfig {
             exponent: Some(2.7),

@@ -1,16 +1,12 @@
 //! Settings of stitching.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
-
 use super::frame_change::Lengths;
 
 /// How the maps of several robots are stitched, as written in a scenario. The frames of the robots differ by an unknown
 /// turn and offset.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct StitchConfig {
     /// Whether the frame of a robot may be a mirror image of that of another one.
     pub mirrored: bool,

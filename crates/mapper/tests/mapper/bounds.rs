@@ -2,7 +2,7 @@
 //! heard them, and reports this.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{Calibration, SelfCalibrated, SelfCalibratedConfig, TopologyMap};
 
 /// Links whose margin over the sensitivity falls with the logarithm of distance (standard deviations of the fading).
@@ -51,18 +51,10 @@ fn log(stops: &[Position], nodes: &[Position], links: Links) -> ReceptionLog {
             let is_heard = |packet: &u32| normal(4 + u64::from(*packet), node, stop) < margin;
             let received = u32::try_from((0..links.packets).filter(is_heard).count()).expect("a few packets");
             let node = NodeId(node);
-            receptions.push(Reception {
-                node,
-                stop,
-                received,
-                sent: links.packets,
-                sector: None,
-                rssi_dbm: None,
-                snr_db: None,
-            });
+            receptions.push(Reception::heard(node, stop, received, links.packets));
         }
     }
-    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+    let stop = |&position: &Position| Stop::at(position);
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.iter().map(stop).collect(), receptions, Vec::new()).expect("a log")
 }

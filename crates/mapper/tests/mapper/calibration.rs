@@ -4,7 +4,7 @@ use sextant_channel::{
     Channel, ChannelConfig, CorrelationConfig, Dbm, LogDistanceConfig, ObstacleField, PathLossConfig, Position,
     Reception, ReceptionLog, ShadowingConfig, Stop,
 };
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
     ChannelProfileConfig, EstimateKind, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, Region, TrueModel,
     posterior_bound_m,
@@ -54,7 +54,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
         for step in 0..15_u32 {
             let height_m = if lane % 2 == 0 { 0.0 } else { tall_m };
             let position = Position::new(f64::from(step) - 7.0, 2.5 * f64::from(lane) - 6.25, height_m);
-            stops.push(Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None });
+            stops.push(Stop::at(position));
         }
     }
     let truth: Vec<Position> = (0..u64::from(NODES))
@@ -67,15 +67,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
     for (node, place) in (0..NODES).zip(&truth) {
         for (stop, at) in (0..).zip(&stops) {
             if draw([u64::from(node), u64::from(stop), 2]) < exact.probability(place.distance_m(at.position)) {
-                receptions.push(Reception {
-                    node: NodeId(node),
-                    stop,
-                    received: 1,
-                    sent: 1,
-                    sector: None,
-                    rssi_dbm: None,
-                    snr_db: None,
-                });
+                receptions.push(Reception::heard(NodeId(node), stop, 1, 1));
             }
         }
     }

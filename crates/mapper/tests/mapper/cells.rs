@@ -1,7 +1,7 @@
 //! No place is known better than the grid on which it was found.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, EstimateKind, Mapper, MlTmConfig, ProfileConfig, RangingConfig, Region, RssGridConfig,
     TrapezoidConfig,
@@ -18,22 +18,15 @@ fn level(_: usize) -> f64 {
 /// stop, of which the share 1 − d / 6 m arrives, with strengths that follow a law exactly.
 fn sharp(height_m: fn(usize) -> f64) -> ReceptionLog {
     let node = Position::new(4.3, 3.6, 0.8 * height_m(1));
-    let stops: Vec<Stop> = (0..81)
-        .map(|i: usize| Position::new((i % 9) as f64, (i / 9) as f64, height_m(i)))
-        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
-        .collect();
+    let stops: Vec<Stop> =
+        (0..81).map(|i: usize| Position::new((i % 9) as f64, (i / 9) as f64, height_m(i))).map(Stop::at).collect();
     let heard = |(number, stop): (u32, &Stop)| {
         let distance_m = stop.position.distance_m(node);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1000 packets")]
         let received = (1000.0 * (1.0 - distance_m / 6.0)).max(0.0) as u32;
         Reception {
-            node: NodeId(0),
-            stop: number,
-            received,
-            sent: 1000,
-            sector: None,
             rssi_dbm: (received > 0).then(|| -50.0 - 25.0 * distance_m.max(0.1).log10()),
-            snr_db: None,
+            ..Reception::heard(NodeId(0), number, received, 1000)
         }
     };
     let receptions = (0..).zip(&stops).map(heard).collect();

@@ -1,7 +1,7 @@
 //! Logs that say little on the places of nodes, or err: nothing runs away, and each unreliable place has its concern.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, Calibration, Concern, EstimateKind, EstimatorFindings, FittedChannel, HeightReason, MapError,
     Mapper, MlTmConfig, ProfileConfig, TopologyMap,
@@ -27,7 +27,7 @@ fn log(stops: &[Position], nodes: &[Position], reach_m: f64) -> ReceptionLog {
         let heard: Vec<f64> = (1..=10).map(|i| margin_db + 3.0 * normal(i)).filter(|margin| *margin > 0.0).collect();
         let received = u32::try_from(heard.len()).expect("ten at most");
         let rssi_dbm = (received > 0).then(|| heard.iter().sum::<f64>() / f64::from(received) - 90.0);
-        Reception { node: NodeId(node), stop, received, sent: 10, sector: None, rssi_dbm, snr_db: None }
+        Reception { rssi_dbm, ..Reception::heard(NodeId(node), stop, received, 10) }
     };
     with(stops, nodes.len(), link)
 }
@@ -37,7 +37,7 @@ fn with(stops: &[Position], nodes: usize, link: impl Fn(u32, u32) -> Reception) 
     let pairs = (0..nodes).flat_map(|node| (0..stops.len()).map(move |stop| (node, stop)));
     let number = |i: usize| u32::try_from(i).expect("a few");
     let receptions = pairs.map(|(node, stop)| link(number(node), number(stop))).collect();
-    let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+    let stop = |&position: &Position| Stop::at(position);
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops.iter().map(stop).collect(), receptions, Vec::new()).expect("a log")
 }
@@ -85,15 +85,7 @@ fn nodes_that_were_heard_alike_everywhere_have_no_evidence() {
     let nodes = scattered(1, 12, [20.0, 15.0, 0.0]);
     for size_m in [[20.0, 15.0, 0.0], [20.0, 15.0, 9.0]] {
         let stops = scattered(2, 20, size_m);
-        let everywhere = with(&stops, nodes.len(), |node, stop| Reception {
-            node: NodeId(node),
-            stop,
-            received: 10,
-            sent: 10,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        });
+        let everywhere = with(&stops, nodes.len(), |node, stop| Reception::heard(NodeId(node), stop, 10, 10));
         for config in [fitted(), calibrated()] {
             let (map, learned) = map(config, &everywhere);
             assert!(all_have(&map, Concern::NoEvidence), "{:?}", map.concerns().collect::<Vec<_>>());
@@ -111,13 +103,8 @@ fn a_log_from_one_place_and_nodes_heard_once_have_no_evidence() {
     let one_place = log(&[Position::new(3.0, 4.0, 0.0); 15], &nodes, 8.0);
     let stops = scattered(4, 20, [10.0, 10.0, 0.0]);
     let heard_once = with(&stops, nodes.len(), |node, stop| Reception {
-        node: NodeId(node),
-        stop,
-        received: u32::from(stop == node) * 7,
-        sent: 10,
-        sector: None,
         rssi_dbm: (stop == node).then_some(-70.0),
-        snr_db: None,
+        ..Reception::heard(NodeId(node), stop, u32::from(stop == node) * 7, 10)
     });
     for log in [one_place, heard_once] {
         for config in [fitted(), calibrated(), strengths()] {

@@ -1,7 +1,7 @@
 //! Whether grids fit the memory: what is said of stops beforehand is what happens with a log of these stops.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
+use sextant_kernel::{NodeId, RobotId, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, EstimateKind, JointConfig, JointNetworkConfig, MapError, Mapper, MlTmConfig, ProfileConfig,
     RangingConfig, RssGridConfig, StitchConfig, Stitched, TopologyMap, TrapezoidConfig,
@@ -9,21 +9,8 @@ use sextant_mapper::{
 
 /// A log of one node that is heard at each stop. Every second stop is of another robot if there are two.
 fn log(stops: &[Position], robots: u32) -> ReceptionLog {
-    let entry = |stop| Reception {
-        node: NodeId(0),
-        stop,
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: Some(-60.0),
-        snr_db: None,
-    };
-    let stop = |(i, &position): (u32, &Position)| Stop {
-        robot: RobotId(i % robots),
-        time: SimTime::ZERO,
-        position,
-        heading_rad: None,
-    };
+    let entry = |stop| Reception { rssi_dbm: Some(-60.0), ..Reception::heard(NodeId(0), stop, 1, 1) };
+    let stop = |(i, &position): (u32, &Position)| Stop { robot: RobotId(i % robots), ..Stop::at(position) };
     let receptions = (0..).zip(stops).map(|(stop, _)| entry(stop)).collect();
     let names = (0..robots).map(|robot| format!("r{robot}")).collect();
     let log = ReceptionLog::new(vec!["n0".into()], (0..).zip(stops).map(stop).collect(), receptions, Vec::new());

@@ -1,7 +1,7 @@
 //! The heights at which nodes are searched for.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed};
 use sextant_mapper::{
     AlgorithmConfig, EstimateKind, HeightReason, Mapper, MlTmConfig, ProfileConfig, SelfCalibratedConfig, TopologyMap,
 };
@@ -13,15 +13,12 @@ const RANGE_M: f64 = 6.0;
 fn survey(nodes: u32, uneven_m: f64) -> (ReceptionLog, Vec<Position>) {
     let draw = |address| Seed(5).uniform(Purpose::new(8), address);
     let stops: Vec<Stop> = (0..400_u32)
-        .map(|i| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(
+        .map(|i| {
+            Stop::at(Position::new(
                 2.0 * f64::from(i % 20),
                 2.0 * f64::from(i / 20),
                 uneven_m * draw([u64::from(i), 0, 0]),
-            ),
-            heading_rad: None,
+            ))
         })
         .collect();
     let node = |i: u32| 38.0 * draw([u64::from(i), 1, 0]);
@@ -33,15 +30,7 @@ fn survey(nodes: u32, uneven_m: f64) -> (ReceptionLog, Vec<Position>) {
             let p = 1.0 - place.distance_m(at.position) / RANGE_M;
             if draw([u64::from(node), u64::from(stop), 3]) < p {
                 let node = NodeId(node);
-                receptions.push(Reception {
-                    node,
-                    stop,
-                    received: 1,
-                    sent: 1,
-                    sector: None,
-                    rssi_dbm: None,
-                    snr_db: None,
-                });
+                receptions.push(Reception::heard(node, stop, 1, 1));
             }
         }
     }

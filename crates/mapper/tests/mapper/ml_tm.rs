@@ -7,15 +7,15 @@ mod oracle;
 mod settings;
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_kernel::NodeId;
 use sextant_mapper::{MlTm, MlTmConfig};
 
 fn stop(place: Position) -> Stop {
-    Stop { robot: RobotId(0), time: SimTime::ZERO, position: place, heading_rad: None }
+    Stop::at(place)
 }
 
 fn entry(node: u32, stop: u32, received: u32, sent: u32) -> Reception {
-    Reception { node: NodeId(node), stop, received, sent, sector: None, rssi_dbm: None, snr_db: None }
+    Reception::heard(NodeId(node), stop, received, sent)
 }
 
 fn log(nodes: u32, stops: &[Position], receptions: Vec<Reception>) -> ReceptionLog {

@@ -1,7 +1,7 @@
 //! MmTM: what it demands of a log, and how a sector is compared with a direction.
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, MapError, Mapper, MlTm, MlTmConfig, MmTm, ObstacleUse, ProfileConfig,
     SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig, TopologyMap, TrapezoidConfig,
@@ -9,19 +9,10 @@ use sextant_mapper::{
 
 /// A log of one node, heard at the stops with a sector.
 fn log(stops: &[Position], heard: &[(u32, u8)], table: Option<SectorTable>) -> ReceptionLog {
-    let stops = stops
+    let stops = stops.iter().map(|&position| Stop::at(position)).collect();
+    let heard = heard
         .iter()
-        .map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
-        .collect();
-    let heard = heard.iter().map(|&(stop, sector)| Reception {
-        node: NodeId(0),
-        stop,
-        received: 1,
-        sent: 1,
-        sector: Some(sector),
-        rssi_dbm: None,
-        snr_db: None,
-    });
+        .map(|&(stop, sector)| Reception { sector: Some(sector), ..Reception::heard(NodeId(0), stop, 1, 1) });
     let log = ReceptionLog::new(vec!["n".into()], stops, heard.collect(), Vec::new()).expect("a log");
     match table {
         Some(table) => log.with_sectors(table).expect("sectors of the table"),
@@ -68,9 +59,8 @@ fn a_log_without_sectors_or_without_their_directions_is_an_error_that_says_so() 
     let error = map(config(0.25), &log(&stops, &[(0, 3)], None)).unwrap_err();
     assert!(matches!(error, MapError::Missing { algorithm: "mmtm", .. }));
     assert!(error.to_string().contains("directions") && error.to_string().contains("`sectors.csv`"), "{error}");
-    let plain =
-        Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
-    let at = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+    let plain = Reception::heard(NodeId(0), 0, 1, 1);
+    let at = |position| Stop::at(position);
     let plain = ReceptionLog::new(vec!["n".into()], stops.map(at).to_vec(), vec![plain], Vec::new()).unwrap();
     let plain = plain.with_sectors(even(8, vec![WHOLE])).unwrap();
     let error = map(config(0.25), &plain).unwrap_err();

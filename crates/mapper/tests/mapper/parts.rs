@@ -1,7 +1,7 @@
 //! Maps of logs in parts: the same, to the last bit, as in one piece.
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, CountRule, EstimateKind, FittedConfig, Knowledge, LinkModelConfig, LogParts, MapError, Mapper,
     MdsMapConfig, MlTmConfig, PacketCentroidConfig, PartsError, ProfileConfig, SectorModel, SectorsConfig,
@@ -28,9 +28,7 @@ fn survey(antenna: Antenna, rise_m: f64) -> ReceptionLog {
         let height_m = if i.is_multiple_of(2) { 0.0 } else { rise_m };
         Position::new((i % 17) as f64 * SIDE_M / 16.0, (i / 17) as f64 * SIDE_M / 16.0, height_m)
     };
-    let stops: Vec<Stop> = (0..289)
-        .map(|i| Stop { robot: RobotId(0), time: SimTime::ZERO, position: place(i), heading_rad: None })
-        .collect();
+    let stops: Vec<Stop> = (0..289).map(|i| Stop::at(place(i))).collect();
     let mut receptions = ReceptionLogBuilder::default();
     for node in 0..90 {
         let at = Position::new(SIDE_M * draw(node, 0, 0), SIDE_M * draw(node, 1, 0), 0.3 * rise_m);
@@ -45,14 +43,14 @@ fn survey(antenna: Antenna, rise_m: f64) -> ReceptionLog {
             let azimuth_deg = apart.y_m.atan2(apart.x_m).to_degrees() + 12.0 * (draw(node, 9, number) - 0.5);
             let sector = (azimuth_deg.rem_euclid(360.0) / 45.0).floor();
             receptions.push(Reception {
-                node: NodeId::from_index(node),
-                stop: u32::try_from(number).expect("few stops"),
-                received: u32::try_from(received).expect("few packets").max(1),
-                sent: 3,
                 sector: (antenna == Antenna::Sectors && draw(node, 10, number) < 0.8)
                     .then_some((0..8).rev().find(|&sector_number| f64::from(sector_number) <= sector).unwrap_or(0)),
-                rssi_dbm: None,
-                snr_db: None,
+                ..Reception::heard(
+                    NodeId::from_index(node),
+                    u32::try_from(number).expect("few stops"),
+                    u32::try_from(received).expect("few packets").max(1),
+                    3,
+                )
             });
         }
     }

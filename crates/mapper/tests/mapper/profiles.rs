@@ -1,7 +1,7 @@
 //! Profiles of known channels, and profiles estimated from the log.
 
 use sextant_channel::{ChannelConfig, ChannelLaw, Db, Dbm, Environment, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, EstimateKind, Fit, FittedConfig, FittedMlTm, Mapper, MlTm, MlTmConfig,
     PositionError, ProfileConfig, ReceptionProfile, TopologyMap, TrapezoidConfig,
@@ -138,22 +138,11 @@ fn survey(seed: u64, nodes: u32, sent: u32, heights_m: &[f64], tall_m: f64, s: i
                 |packet: u32| u32::from(uniform(seed, [u64::from(node), u64::from(stop), 2 + u64::from(packet)]) < p);
             let received = (0..sent).map(draw).sum();
             if received > 0 || sent > 1 {
-                receptions.push(Reception {
-                    node: NodeId(node),
-                    stop,
-                    received,
-                    sent,
-                    sector: None,
-                    rssi_dbm: None,
-                    snr_db: None,
-                });
+                receptions.push(Reception::heard(NodeId(node), stop, received, sent));
             }
         }
     }
-    let stops = stops
-        .into_iter()
-        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
-        .collect();
+    let stops = stops.into_iter().map(Stop::at).collect();
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     Survey { log: ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log"), truth }
 }
@@ -221,15 +210,7 @@ fn changed(
 ) -> ReceptionLog {
     let mut receptions: Vec<Reception> = log.receptions().iter().filter_map(change).collect();
     for &(node, stop) in more {
-        receptions.push(Reception {
-            node: NodeId(node),
-            stop,
-            received: 1,
-            sent: 1,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        });
+        receptions.push(Reception::heard(NodeId(node), stop, 1, 1));
     }
     ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), receptions, Vec::new()).expect("a log")
 }
@@ -282,21 +263,8 @@ fn the_number_of_threads_does_not_change_the_fit() {
 
 #[test]
 fn a_log_with_little_evidence_does_not_fail() {
-    let stop = |x_m: f64| Stop {
-        robot: RobotId(0),
-        time: SimTime::ZERO,
-        position: Position::new(x_m, 0.0, 0.0),
-        heading_rad: None,
-    };
-    let heard = |node, stop| Reception {
-        node: NodeId(node),
-        stop,
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: None,
-        snr_db: None,
-    };
+    let stop = |x_m: f64| Stop::at(Position::new(x_m, 0.0, 0.0));
+    let heard = |node, stop| Reception::heard(NodeId(node), stop, 1, 1);
     let names = || vec!["a".to_owned(), "b".to_owned()];
     let mapper = Mapper::try_from(AlgorithmConfig::MlTm(ml_tm(0.5))).unwrap();
     for (stops, receptions, mapped) in [

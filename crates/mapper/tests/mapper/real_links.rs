@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
-    Area, Auto, AutoConfig, Choice, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Mapper,
-    PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, StrongestStop,
-    TopologyMap,
+    Area, Auto, AutoConfig, Choice, Comparator, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel,
+    LinkModelConfig, Mapper, PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated,
+    SelfCalibratedConfig, StrongestStop, TopologyMap,
 };
 
 const WORLD: Purpose = Purpose::new(9001);
@@ -67,17 +67,17 @@ impl World {
                     .collect();
                 let mean = strengths.iter().sum::<f64>() / strengths.len().max(1) as f64;
                 receptions.push(Reception {
-                    node: NodeId(node),
-                    stop: number,
-                    received: u32::try_from(strengths.len()).expect("few packets"),
-                    sent: self.packets,
-                    sector: None,
                     rssi_dbm: (self.rssi && !strengths.is_empty()).then_some(-92.0 + 4.0 * mean),
-                    snr_db: None,
+                    ..Reception::heard(
+                        NodeId(node),
+                        number,
+                        u32::try_from(strengths.len()).expect("few packets"),
+                        self.packets,
+                    )
                 });
             }
         }
-        let stop = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+        let stop = |position| Stop::at(position);
         let names = (0..self.nodes).map(|node| format!("n{node}")).collect();
         ReceptionLog::new(names, stops.into_iter().map(stop).collect(), receptions, Vec::new()).expect("a valid log")
     }
@@ -226,21 +226,8 @@ fn the_map_is_the_same_at_any_number_of_threads() {
 
 #[test]
 fn no_place_is_beyond_reach_whatever_the_log_says() {
-    let stop = |x_m: f64, y_m: f64, z_m: f64| Stop {
-        robot: RobotId(0),
-        time: SimTime::ZERO,
-        position: Position::new(x_m, y_m, z_m),
-        heading_rad: None,
-    };
-    let reception = |node, stop, received, sent| Reception {
-        node: NodeId(node),
-        stop,
-        received,
-        sent,
-        sector: None,
-        rssi_dbm: None,
-        snr_db: None,
-    };
+    let stop = |x_m: f64, y_m: f64, z_m: f64| Stop::at(Position::new(x_m, y_m, z_m));
+    let reception = |node, stop, received, sent| Reception::heard(NodeId(node), stop, received, sent);
     let names = |count: usize| (0..count).map(|node| format!("n{node}")).collect::<Vec<_>>();
     let line: Vec<Stop> = (0..20).map(|i| stop(f64::from(i), 0.0, 0.0)).collect();
     let on_line = (0..20).map(|at| reception(0, at, u32::from((6..=12).contains(&at)), 1)).collect();
@@ -276,23 +263,8 @@ fn no_place_is_beyond_reach_whatever_the_log_says() {
 
 #[test]
 fn a_log_in_which_all_is_heard_everywhere_says_so() {
-    let stops = (0..16).map(|i| Stop {
-        robot: RobotId(0),
-        time: SimTime::ZERO,
-        position: Position::new(f64::from(i % 4), f64::from(i / 4), 0.0),
-        heading_rad: None,
-    });
-    let heard = (0..3).flat_map(|node| {
-        (0..16).map(move |stop| Reception {
-            node: NodeId(node),
-            stop,
-            received: 4,
-            sent: 4,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        })
-    });
+    let stops = (0..16).map(|i| Stop::at(Position::new(f64::from(i % 4), f64::from(i / 4), 0.0)));
+    let heard = (0..3).flat_map(|node| (0..16).map(move |stop| Reception::heard(NodeId(node), stop, 4, 4)));
     let log = ReceptionLog::new(vec!["a".into(), "b".into(), "c".into()], stops.collect(), heard.collect(), vec![]);
     let (map, _) = link_model().map(&log.unwrap(), None, &Unwatched).unwrap();
     let concerns: Vec<Concern> = map.concerns().map(|(_, concern)| concern).collect();

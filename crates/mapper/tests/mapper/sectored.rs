@@ -4,7 +4,7 @@ mod estimates;
 mod joint;
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed};
 use sextant_mapper::{MapError, TopologyMap};
 
 /// Size of the room (m). The robot drives on the floor.
@@ -104,12 +104,12 @@ impl Radio {
                 if received > 0 || self.packets > 1 {
                     let (node, sector) = (NodeId(node), sector.filter(|_| received > 0));
                     let sent = self.packets;
-                    receptions.push(Reception { node, stop, received, sent, sector, rssi_dbm: None, snr_db: None });
+                    receptions.push(Reception { sector, ..Reception::heard(node, stop, received, sent) });
                 }
             }
         }
         let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
-        let at = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+        let at = |&position: &Position| Stop::at(position);
         let log = ReceptionLog::new(names, stops.iter().map(at).collect(), receptions, Vec::new()).expect("a log");
         match self.table() {
             Some(table) => log.with_sectors(table).expect("sectors of the table"),

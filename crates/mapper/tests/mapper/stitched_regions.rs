@@ -77,12 +77,8 @@ impl Team {
         let mean = covariance * sum;
         let [[a, b], [c, d]] = [[0, 1], [2, 3]].map(|row| row.map(|at| covariance[at]));
         Some(Estimate {
-            position: Position::new(mean.x, mean.y, 0.0),
-            log_likelihood: None,
-            ties: 1,
             covariance: Some([[a, c, 0.0], [b, d, 0.0], [0.0; 3]]),
-            infeasible: false,
-            concern: None,
+            ..Estimate::of_place(Position::new(mean.x, mean.y, 0.0))
         })
     }
 }
@@ -173,8 +169,7 @@ fn frames_are_as_uncertain_as_the_residuals_say_where_maps_claim_too_much() {
         let own = team.frames[2].inverse().apply(middle);
         let position = found.changes[2].expect("a frame").apply(own);
         let covariance = Some(frames.of_place(position, &[(2, 1.0)]));
-        let estimate =
-            Estimate { position, log_likelihood: None, ties: 1, covariance, infeasible: false, concern: None };
+        let estimate = Estimate { covariance, ..Estimate::of_place(position) };
         inside += u64::from(Region::of_95(&estimate).expect("a region").contains(middle));
     }
     // Of 60, at least 51 with a probability of 99.9 % if 95 % is right; claims that are taken as they are hold some 35.

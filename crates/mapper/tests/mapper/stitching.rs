@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, SectorTable, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed};
 use sextant_mapper::{
     FrameChange, FrameKnowledge, Frames, Handedness, Knowledge, MapError, Mapper, MlTm, MlTmConfig, OwnMap,
     PairFault, PairState, PlacedNode, ProfileConfig, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching,
@@ -179,19 +179,11 @@ fn log(places: &[Position], frames: &[FrameChange], overlap_m: f64) -> Reception
                 for (node, at) in places.iter().enumerate() {
                     if at.distance_m(place) <= 4.0 {
                         let node = NodeId::from_index(node);
-                        receptions.push(Reception {
-                            node,
-                            stop,
-                            received: 1,
-                            sent: 1,
-                            sector: None,
-                            rssi_dbm: None,
-                            snr_db: None,
-                        });
+                        receptions.push(Reception::heard(node, stop, 1, 1));
                     }
                 }
                 let position = frame.inverse().apply(place);
-                stops.push(Stop { robot: RobotId(robot), time: SimTime::ZERO, position, heading_rad: None });
+                stops.push(Stop { robot: RobotId(robot), ..Stop::at(position) });
             }
             x_m += 1.5;
         }
@@ -326,12 +318,7 @@ fn a_stitched_map_has_the_frame_of_the_robots_whose_frames_are_known() {
 fn groups_that_cannot_be_joined_are_named() {
     // Robots a and b hear nodes in the west, c and d others in the east.
     let truth = field();
-    let moved = |robot: u32| Stop {
-        robot: RobotId(robot),
-        time: SimTime::ZERO,
-        position: Position::ORIGIN,
-        heading_rad: None,
-    };
+    let moved = |robot: u32| Stop { robot: RobotId(robot), ..Stop::at(Position::ORIGIN) };
     let west = log(&truth, &[FrameChange::NONE, frame(17, 3, false)], 6.0);
     let (mut stops, mut receptions) = (Vec::new(), Vec::new());
     let nodes = u32::try_from(truth.len()).expect("few nodes");

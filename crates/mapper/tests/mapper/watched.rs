@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use sextant_channel::{Channel, ChannelConfig, Dbm, ObstacleField, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{Interrupted, NodeId, Purpose, RobotId, Seed, SimTime, Unwatched, Watch, Work};
+use sextant_kernel::{Interrupted, NodeId, Purpose, Seed, Unwatched, Watch, Work};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, DrMdsConfig, Knowledge, MapError, Mapper, MlTmConfig, ObstacleUse,
     ProfileConfig, RangingConfig, RssGridConfig, RssMlConfig, SmacofConfig, TrapezoidConfig, TriangleCentroidConfig,
@@ -48,12 +48,7 @@ impl Watch for Script {
 
 /// What a robot hears of the nodes of `network` at 64 stops, with strengths.
 fn survey(network: &Network) -> ReceptionLog {
-    let stop = |i: u32| Stop {
-        robot: RobotId(0),
-        time: SimTime::ZERO,
-        position: Position::new(1.25 * f64::from(i % 8) + 0.1, 1.25 * f64::from(i / 8) + 0.2, 0.0),
-        heading_rad: None,
-    };
+    let stop = |i: u32| Stop::at(Position::new(1.25 * f64::from(i % 8) + 0.1, 1.25 * f64::from(i / 8) + 0.2, 0.0));
     let stops: Vec<Stop> = (0..64).map(stop).collect();
     let mut receptions = Vec::new();
     for (node, place) in (0_u32..).zip(&network.places) {
@@ -63,7 +58,7 @@ fn survey(network: &Network) -> ReceptionLog {
                 + 3.0 * Seed(4).normal(Purpose::new(8), [u64::from(node), u64::from(stop), 0]);
             if rssi_dbm > -65.0 {
                 let (node, rssi_dbm) = (NodeId(node), Some(rssi_dbm));
-                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm, snr_db: None });
+                receptions.push(Reception { rssi_dbm, ..Reception::heard(node, stop, 1, 1) });
             }
         }
     }
@@ -177,7 +172,7 @@ fn tables_that_need_too_much_memory_are_rejected_with_their_size() {
         .collect();
     let nobody = sextant_channel::NeighbourLog::new(places.len(), Vec::new()).expect("a log");
     let names = (0..places.len()).map(|i| format!("n{i}")).collect();
-    let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None }];
+    let stops = vec![Stop::at(Position::ORIGIN)];
     let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).expect("a log");
     let knowledge = Knowledge { neighbours: Some(&nobody), anchors: &anchors, ..Knowledge::from(&log) };
     let mapper = Mapper::try_from(AlgorithmConfig::DvHop(Default::default())).expect("good settings");

@@ -1,7 +1,7 @@
 //! Recovery of the readable part of a broken recording.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use mcap::records::Metadata;
@@ -9,7 +9,7 @@ use serde::Serialize;
 use sextant_kernel::Watch;
 
 use super::sink::Sink;
-use crate::disk;
+use crate::disk::{self, DiskFile};
 use crate::error::RecordingError;
 use crate::mcap_file::salvage::{Gap, Salvaged, salvage};
 use crate::mcap_file::{Damage, Piece, scan};
@@ -35,17 +35,10 @@ pub struct Recovery {
 /// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
 /// # Errors
-/// If `broken` cannot be read, is a pipe, or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
+/// If `broken` cannot be read, is not an MCAP file, or is a damaged one in a pipe, which cannot be read twice, if `out` is the same file, if `out` cannot be written, or if the
 /// user interrupts. `OUT.recovering` is removed in each case.
 pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
     let draft = Draft::new(out, RECOVERING);
-    let metadata = std::fs::metadata(broken).map_err(|why| RecordingError::read(broken, why))?;
-    if !metadata.is_file() {
-        return Err(RecordingError::read(
-            broken,
-            io::Error::other("it is no file that can be read twice; copy it to one"),
-        ));
-    }
     let input = FileIdentity::of(broken);
     if [&draft.path, &draft.part].iter().any(|path| FileIdentity::of(path) == input) {
         return Err(RecordingError::SameFile { path: broken.to_owned() });
@@ -68,31 +61,88 @@ pub fn unfinished_copy(out: &Path) -> PathBuf {
 }
 
 fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
-    let damage = scan::<RecordingError>(broken, &mut |_| Ok(watch.check()?))?;
-    let mut sink = Sink::create(draft)?;
-    let mut known = BTreeSet::new();
-    let (mut messages, mut attachments, mut gaps) = (0, 0, 0_u32);
-    let mut gap = |sink: &mut Sink<_>, metadata| {
-        gaps += 1;
-        sink.metadata(&Metadata { name: format!("{GAP_METADATA}{gaps}"), metadata })
-    };
-    let sound_until = damage.as_ref().map_or(u64::MAX, |damage| damage.at_byte);
-    let found = salvage::<RecordingError>(broken, sound_until, &mut |salvaged| {
+    let mut copied =
+        Copied { draft, sink: None, known: BTreeSet::new(), pieces: 0, messages: 0, attachments: 0, gaps: 0 };
+    let damage = scan(broken, &mut |piece| {
         watch.check()?;
-        match salvaged {
-            Salvaged::Gap(found) => gap(&mut sink, values(found)),
-            Salvaged::Piece(Piece::Header { .. }) => Ok(()),
-            Salvaged::Piece(Piece::Message { channel, header, data }) => {
-                if known.insert(channel.id) {
+        copied.piece(piece)
+    })?;
+    let mut gaps = Vec::new();
+    if let Some(damage) = &damage {
+        if std::fs::metadata(broken).is_ok_and(|broken| !broken.is_file()) {
+            let why = format!("{}; it is no file that can be read twice; copy it to one", damage.why);
+            return Err(RecordingError::read(broken, io::Error::other(why)));
+        }
+        // Those before the damage were copied.
+        let mut rest = copied.pieces;
+        gaps = salvage(broken, damage.at_byte, &mut |salvaged| {
+            watch.check()?;
+            match salvaged {
+                Salvaged::Gap(gap) => copied.gap(values(gap)),
+                Salvaged::Piece(_) if rest > 0 => {
+                    rest -= 1;
+                    Ok(())
+                }
+                Salvaged::Piece(piece) => copied.piece(piece),
+            }
+        })?;
+        let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
+        copied.sink()?.metadata(&Metadata {
+            name: RECOVERED_METADATA.to_owned(),
+            metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),
+        })?;
+    }
+    watch.check()?;
+    copied.sink()?;
+    let Copied { sink, messages, attachments, .. } = copied;
+    sink.expect("it was made").publish(draft)?;
+    Ok(Recovery { messages, attachments, damage, gaps })
+}
+
+/// A copy that is being written.
+struct Copied<'a> {
+    draft: &'a Draft,
+    /// None before the first piece: a file of another format leaves nothing behind.
+    sink: Option<Sink<BufWriter<DiskFile>>>,
+    /// The channels that it has.
+    known: BTreeSet<u16>,
+    pieces: u64,
+    messages: u64,
+    attachments: u64,
+    gaps: u32,
+}
+
+impl Copied<'_> {
+    fn sink(&mut self) -> Result<&mut Sink<BufWriter<DiskFile>>, RecordingError> {
+        if self.sink.is_none() {
+            self.sink = Some(Sink::create(self.draft)?);
+        }
+        Ok(self.sink.as_mut().expect("it was made"))
+    }
+
+    fn gap(&mut self, metadata: BTreeMap<String, String>) -> Result<(), RecordingError> {
+        self.gaps += 1;
+        let name = format!("{GAP_METADATA}{}", self.gaps);
+        self.sink()?.metadata(&Metadata { name, metadata })
+    }
+
+    fn piece(&mut self, piece: Piece<'_>) -> Result<(), RecordingError> {
+        self.pieces += 1;
+        match piece {
+            Piece::Header { .. } => self.sink().map(|_| ()),
+            Piece::Message { channel, header, data } => {
+                self.messages += 1;
+                let is_new = self.known.insert(channel.id);
+                let sink = self.sink()?;
+                if is_new {
                     sink.copied_channel(channel)?;
                 }
                 sink.message(&header, data)?;
-                messages += 1;
                 sink.settle()
             }
-            Salvaged::Piece(Piece::Attachment { name, media_type, data }) => {
-                attachments += 1;
-                sink.attach(&mcap::Attachment {
+            Piece::Attachment { name, media_type, data } => {
+                self.attachments += 1;
+                self.sink()?.attach(&mcap::Attachment {
                     log_time: 0,
                     create_time: 0,
                     name: name.to_owned(),
@@ -101,22 +151,10 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
                 })
             }
             // The file is a recovered one itself.
-            Salvaged::Piece(Piece::Metadata(record)) if record.name.starts_with(GAP_METADATA) => {
-                gap(&mut sink, record.metadata.clone())
-            }
-            Salvaged::Piece(Piece::Metadata(record)) => sink.metadata(record),
+            Piece::Metadata(record) if record.name.starts_with(GAP_METADATA) => self.gap(record.metadata.clone()),
+            Piece::Metadata(record) => self.sink()?.metadata(record),
         }
-    })?;
-    if let Some(damage) = &damage {
-        let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
-        sink.metadata(&Metadata {
-            name: RECOVERED_METADATA.to_owned(),
-            metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),
-        })?;
     }
-    watch.check()?;
-    sink.publish(draft)?;
-    Ok(Recovery { messages, attachments, damage, gaps: found })
 }
 
 /// A gap as a metadata record.

@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     fn heard(node: u32) -> Reception {
-        Reception { node: NodeId(node), stop: 7, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None }
+        Reception::heard(NodeId(node), 7, 1, 1)
     }
 
     #[test]

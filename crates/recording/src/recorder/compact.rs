@@ -30,7 +30,7 @@ mod tests {
     use std::path::Path;
 
     use sextant_channel::{Dbm, Position, Reception, ReceptionLog, Stop};
-    use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+    use sextant_kernel::{NodeId, Purpose, Seed, SimTime, Unwatched};
 
     use super::*;
     use crate::FileRecorder;
@@ -40,10 +40,8 @@ mod tests {
     /// A survey of 40 stops at each of which 200 of 17 000 nodes were heard, with strengths.
     fn log() -> ReceptionLog {
         let stop = |i: u32| Stop {
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 2_000_000_000),
-            position: Position::new(f64::from(i), 0.0, 0.0),
-            heading_rad: None,
+            ..Stop::at(Position::new(f64::from(i), 0.0, 0.0))
         };
         let draw = |stop: u32, node: u32, what| Seed(3).uniform(Purpose::new(8), [stop.into(), node.into(), what]);
         let heard = |stop: u32| {
@@ -52,7 +50,7 @@ mod tests {
                 let received = 1 + u32::from(draw(stop, i, 0) < 0.3);
                 let sent = received + u32::from(draw(stop, i, 1) < 0.2);
                 let rssi_dbm = Some(-90.0 + 30.0 * draw(stop, i, 2));
-                Reception { node, stop, received, sent, sector: None, rssi_dbm, snr_db: None }
+                Reception { rssi_dbm, ..Reception::heard(node, stop, received, sent) }
             })
         };
         let names = (0..17_000).map(|i| format!("n{i}")).collect();

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine as _;
 use serde_json::Value;
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{FileRecorder, Origin, PlacedNode};
 use tempfile::TempDir;
 
@@ -39,21 +39,9 @@ fn recorded(folder: &TempDir) -> PathBuf {
     recorder.origin(Origin { scenario: "</title><b>", seed: 3, version: "1.2.3" }).expect("room");
     let truth: Vec<_> = (0..).zip(TRUTH_M).map(|(i, place)| node(i, place, None)).collect();
     recorder.world_nodes(SimTime::ZERO, &truth).expect("room");
-    let stop = |i: u32| Stop {
-        robot: RobotId(0),
-        time: seconds(u64::from(i) * 5),
-        position: Position::new(f64::from(i), 1.0, 0.0),
-        heading_rad: None,
-    };
-    let heard = |node: u32, stop: u32| Reception {
-        node: NodeId(node),
-        stop,
-        received: 2,
-        sent: 3,
-        sector: None,
-        rssi_dbm: Some(-70.5),
-        snr_db: None,
-    };
+    let stop = |i: u32| Stop { time: seconds(u64::from(i) * 5), ..Stop::at(Position::new(f64::from(i), 1.0, 0.0)) };
+    let heard =
+        |node: u32, stop: u32| Reception { rssi_dbm: Some(-70.5), ..Reception::heard(NodeId(node), stop, 2, 3) };
     let names = HOSTILE.map(str::to_owned).to_vec();
     let log =
         ReceptionLog::new(names, vec![stop(0), stop(1)], vec![heard(0, 0), heard(0, 1), heard(2, 1)], Vec::new());

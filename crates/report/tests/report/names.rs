@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use serde_json::{Value, json};
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{FileRecorder, Origin};
 use sextant_report::Report;
 use sha2::{Digest as _, Sha256};
@@ -31,8 +31,8 @@ fn report(names: &[String]) -> Report {
     let path = folder.path().join("run.mcap");
     let mut recorder = FileRecorder::create(&path).expect("a folder");
     recorder.origin(Origin { scenario: &names.concat(), seed: 3, version: "1.2.3" }).expect("room");
-    let stop = Stop { robot: RobotId(0), time: seconds(1), position: Position::default(), heading_rad: None };
-    let heard = |node| Reception { node, stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
+    let stop = Stop { time: seconds(1), ..Stop::at(Position::default()) };
+    let heard = |node| Reception::heard(node, 0, 1, 1);
     let heard = (0..names.len()).map(|node| heard(NodeId::from_index(node))).collect();
     let log = ReceptionLog::new(names.to_vec(), vec![stop], heard, Vec::new()).expect("a sound log");
     recorder.log(&log).expect("room");

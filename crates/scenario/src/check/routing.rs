@@ -61,14 +61,15 @@ fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
     let is_built = tree.is_built();
     let why = "because each hop is acknowledged, and nodes must hear each other at any time";
     let only = format!("`csma_unslotted`, `tsch` or `sleep`, {why}");
-    let error = match tables.mac.value {
+    let mac = tables.mac.value;
+    let error = match mac {
         MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
         MacConfig::CsmaUnslotted(_) => {
             SettingError::new("csma_unslotted.rx_on_when_idle", "false, beside `routing`", format!("true, {why}"))
         }
-        MacConfig::BeaconEnabled(_) => SettingError::new("beacon_enabled", "a table beside `routing`", only),
-        MacConfig::SectorSweep(_) => SettingError::new("sector_sweep", "a table beside `routing`", only),
-        MacConfig::Program(_) => SettingError::new("program", "a table beside `routing`", only),
+        MacConfig::BeaconEnabled(_) | MacConfig::SectorSweep(_) | MacConfig::Program(_) => {
+            SettingError::new(mac.key(), "a table beside `routing`", only)
+        }
         MacConfig::Tsch(TschConfig { schedule: ScheduleConfig::Orchestra(orchestra), .. })
             if is_built && orchestra.unicast == UnicastConfig::SenderBased =>
         {

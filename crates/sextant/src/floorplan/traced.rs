@@ -133,12 +133,10 @@ fn add_block(
     corners_m.pop();
     plan.blocks.push(ObstacleConfig {
         name: Some(format!("block {}", plan.blocks.len())),
-        shape: ShapeConfig::Prism(PrismConfig { corners_m, bottom_m: 0.0, height_m: options.height_m }),
-        material: Some(options.material.clone()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::of(
+            ShapeConfig::Prism(PrismConfig { corners_m, bottom_m: 0.0, height_m: options.height_m }),
+            options.material.clone(),
+        )
     });
 }
 

@@ -98,28 +98,14 @@ pub(super) fn of_map(
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, Position, RangeSample, Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::{Position, RangeSample, Reception, Stop};
 
     use super::*;
 
     /// The notes on a log of four stops with these packets (node, stop, received, sent).
     fn notes(names: usize, packets: &[(u32, u32, u32, u32)]) -> Vec<String> {
-        let stop = |i: u8| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(f64::from(i), 0.0, 0.0),
-            heading_rad: None,
-        };
-        let entry = |&(node, stop, received, sent)| Reception {
-            node: NodeId(node),
-            stop,
-            received,
-            sent,
-            sector: None,
-            rssi_dbm: None,
-            snr_db: None,
-        };
+        let stop = |i: u8| Stop::at(Position::new(f64::from(i), 0.0, 0.0));
+        let entry = |&(node, stop, received, sent)| Reception::heard(NodeId(node), stop, received, sent);
         let names = (0..names).map(|i| format!("n{i}")).collect();
         let entries = packets.iter().map(entry).collect();
         let log = ReceptionLog::new(names, (0..4).map(stop).collect(), entries, Vec::new()).unwrap();
@@ -134,18 +120,10 @@ mod tests {
 
     /// A log of one stop with nodes `a` and `b`: `a` was heard, and there is a range to the node with this number.
     fn ranged(node: u32) -> ReceptionLog {
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN, heading_rad: None };
+        let stop = Stop::at(Position::ORIGIN);
         let (sector, rssi_dbm, snr_db) = (None, None, None);
         let heard = Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector, rssi_dbm, snr_db };
-        let sample = RangeSample {
-            node: NodeId(node),
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::ORIGIN,
-            mounting: Mounting::default(),
-            velocity: Position::ORIGIN,
-            range_m: 4.0,
-        };
+        let sample = RangeSample::of(NodeId(node), Position::ORIGIN, 4.0);
         let names = ["a", "b"].map(str::to_owned).to_vec();
         let log = ReceptionLog::new(names, vec![stop], vec![heard], Vec::new()).unwrap();
         log.with_ranges(vec![sample]).unwrap()

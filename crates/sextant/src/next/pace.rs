@@ -172,10 +172,8 @@ mod tests {
     #[test]
     fn the_pace_follows_the_times_of_the_stops_and_says_what_tells_it() {
         let stop = |time_s: u64, x_m: f64| Stop {
-            robot: RobotId(0),
             time: SimTime::from_secs(time_s),
-            position: Position::new(x_m, 0.0, 0.0),
-            heading_rad: None,
+            ..Stop::at(Position::new(x_m, 0.0, 0.0))
         };
         // The last row is the first stop.
         let stops = vec![stop(10, 2.0), stop(20, 4.0), stop(30, 6.0), stop(0, 0.0)];

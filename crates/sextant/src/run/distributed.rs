@@ -64,15 +64,7 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
 
 /// The places that the nodes believe in.
 fn topology_map(map: &NodeMapJob, nodes: &[MappingRecord]) -> TopologyMap {
-    let told = |position| Estimate {
-        position,
-        log_likelihood: None,
-        ties: 1,
-        covariance: None,
-        infeasible: false,
-        concern: None,
-    };
-    let estimate = |node: &MappingRecord| node.estimate.clone().or_else(|| node.place.map(told));
+    let estimate = |node: &MappingRecord| node.estimate.clone().or_else(|| node.place.map(Estimate::of_place));
     TopologyMap {
         algorithm: map.algorithm,
         estimates: nodes.iter().map(estimate).collect(),

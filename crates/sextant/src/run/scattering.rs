@@ -62,15 +62,11 @@ mod tests {
     use sextant_mapper::Estimate;
 
     fn record(place: Option<Position>, is_computed: bool) -> MappingRecord {
-        let estimate = |position| Estimate {
-            position,
-            log_likelihood: None,
-            ties: 1,
-            covariance: None,
-            infeasible: false,
-            concern: None,
-        };
-        MappingRecord { place, estimate: place.filter(|_| is_computed).map(estimate), ..MappingRecord::default() }
+        MappingRecord {
+            place,
+            estimate: place.filter(|_| is_computed).map(Estimate::of_place),
+            ..MappingRecord::default()
+        }
     }
 
     #[test]

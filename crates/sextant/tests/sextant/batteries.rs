@@ -7,7 +7,7 @@ use sextant::{Scenario, Unwatched};
 use sextant_kernel::{NodeId, SimTime, StationId};
 use sextant_sim::{FrameOnAir, Observer, PacketEnd, PacketFate, PacketTrace};
 
-use crate::star::{self, summary};
+use crate::star::{self, assert_close, summary};
 
 /// Energy of the longest frame (J): 133 octets of 32 us with the 62 mW or less of the chips here.
 const FRAME_J: f64 = 133.0 * 32e-6 * 0.062;
@@ -19,10 +19,6 @@ fn star(places_m: &[f64], rest: &str) -> Scenario {
 
 fn battery(summary: &Summary) -> &BatterySummary {
     summary.battery.as_ref().expect("batteries")
-}
-
-fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: {found}, not {expected} within {tolerance}");
 }
 
 const PERIODIC: &str = "traffic.periodic = { mpdu_octets = 50, interval_s = 1.0 }";

@@ -8,6 +8,7 @@ mod counts;
 mod disasters;
 mod examples;
 mod fading;
+mod linked;
 mod moving;
 mod mutants;
 mod own_access;

@@ -6,53 +6,28 @@ use std::path::Path;
 use sextant::summary::RoutingSummary;
 use sextant::{Scenario, Unwatched};
 
+use crate::linked;
 use crate::programs::shipped;
 
-/// Nodes `n0`, `n1`, .. and a sink, whose links are those of `links.csv` alone. `n0` has packets.
-pub(crate) fn network(folder: &Path, nodes: usize, links: &[(&str, &str, f64)], rest: &str) -> Scenario {
-    let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
-    let mut rows = "t_s,from,to,prr\n".to_owned();
-    for (from, to, share) in links {
-        rows += &format!("0,{from},{to},{share}\n");
-    }
-    std::fs::write(folder.join("links.csv"), rows).expect("a file");
-    let text = format!(
-        r#"
-name = "chain"
+/// `n0` has packets; its tables of channel access end with `rest`.
+const ORIGIN: &str = r#"
 duration_s = 4000.0
-world.nodes.explicit.positions_m = [{}]
-link_trace.file = "links.csv"
-reception.overlap = {{}}
-[radio]
-tx_power_dbm = 0.0
-sensitivity_dbm = -90.0
-[[sinks]]
-name = "sink"
-position_m = [-1.0, 0.0]
 [[traffic.groups]]
 name = "origin"
 nodes.names = ["n0"]
-traffic.periodic = {{ mpdu_octets = 50, interval_s = 0.5, jitter = 0.3 }}
+traffic.periodic = { mpdu_octets = 50, interval_s = 0.5, jitter = 0.3 }
 [mac.csma_unslotted]
 rx_on_when_idle = true
-{rest}
-"#,
-        places.join(", ")
-    );
-    std::fs::write(folder.join("scenario.toml"), text).expect("a file");
-    Scenario::load(folder.join("scenario.toml")).expect("a scenario")
+"#;
+
+/// Nodes `n0`, `n1`, .. and a sink, whose links are `links` alone. `n0` has packets.
+pub(crate) fn network(folder: &Path, nodes: usize, links: &[(&str, &str, f64)], rest: &str) -> Scenario {
+    linked::network(folder, nodes, Some(links), &format!("{ORIGIN}{rest}"))
 }
 
 /// A chain from `n0` to the sink with so many hops, each of which loses the same shares of frames and of acknowledgements.
 pub(crate) fn chain(folder: &Path, hops: usize, frames: f64, acknowledgements: f64, rest: &str) -> Scenario {
-    let mut names: Vec<String> = (0..hops).map(|node| format!("n{node}")).collect();
-    names.push("sink".to_owned());
-    let mut links = Vec::new();
-    for pair in names.windows(2) {
-        links.push((&*pair[0], &*pair[1], frames));
-        links.push((&*pair[1], &*pair[0], acknowledgements));
-    }
-    network(folder, hops, &links, rest)
+    linked::chain(folder, hops, [frames, acknowledgements], &format!("{ORIGIN}{rest}"))
 }
 
 pub(crate) fn routing(scenario: &Scenario) -> RoutingSummary {
@@ -320,33 +295,15 @@ pub(crate) fn talking_chain(
     duration_s: f64,
     to: &str,
 ) -> Scenario {
-    let name = |i: usize| if i < nodes { format!("n{i}") } else { "sink".to_owned() };
-    let rows = (0..nodes).map(|i| {
-        let (a, b) = (name(i), name(i + 1));
-        format!("0,{a},{b},{up}\n0,{b},{a},{down}\n")
-    });
-    std::fs::write(folder.join("links.csv"), "t_s,from,to,prr\n".to_owned() + &rows.collect::<String>())
-        .expect("a file");
-    let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
-    let text = format!(
+    let rest = format!(
         r#"
-name = "talking-chain"
 duration_s = {duration_s}
-world.nodes.explicit.positions_m = [{}]
-link_trace.file = "links.csv"
-reception.overlap = {{}}
-radio = {{ tx_power_dbm = 0.0, sensitivity_dbm = -90.0 }}
 mac.csma_unslotted = {{ rx_on_when_idle = true, max_retries = 3 }}
 traffic.periodic = {{ mpdu_octets = 50, interval_s = 10.0, jitter = 0.5 }}
 routing = {{ to = "{to}", resends = 0, tree.shortest = {{}} }}
-[[sinks]]
-name = "sink"
-position_m = [-1.0, 0.0]
-"#,
-        places.join(", ")
+"#
     );
-    std::fs::write(folder.join("scenario.toml"), text).expect("a file");
-    Scenario::load(folder.join("scenario.toml")).expect("a scenario")
+    linked::chain(folder, nodes, [up, down], &rest)
 }
 
 /// A hop up has four tries, so it brings the share `q = 1 - (1 - p)^4`, and of the requests over `h` hops `q^h` arrive. Each is

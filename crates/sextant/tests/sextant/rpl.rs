@@ -6,36 +6,19 @@ use std::path::Path;
 use sextant::summary::RoutingSummary;
 use sextant::{Scenario, Unwatched};
 
+use crate::linked;
 use crate::programs::shipped;
 use crate::routing::{chain, network, routing};
 
 /// Nodes `n0`, `n1`, .. in a chain to the sink without losses. All have packets, and ten minutes pass before they count.
 fn talking_chain(folder: &Path, nodes: usize, rest: &str) -> RoutingSummary {
-    let name = |i: usize| if i < nodes { format!("n{i}") } else { "sink".to_owned() };
-    let rows = (0..nodes).map(|i| format!("0,{a},{b},1\n0,{b},{a},1\n", a = name(i), b = name(i + 1)));
-    std::fs::write(folder.join("links.csv"), "t_s,from,to,prr\n".to_owned() + &rows.collect::<String>())
-        .expect("a file");
-    let places: Vec<String> = (0..nodes).map(|node| format!("[{node}.0, 1.0]")).collect();
-    let text = format!(
-        r#"
-name = "talking-chain"
+    let talk = r#"
 duration_s = 6600.0
 warm_up_s = 600.0
-world.nodes.explicit.positions_m = [{}]
-link_trace.file = "links.csv"
-reception.overlap = {{}}
-radio = {{ tx_power_dbm = 0.0, sensitivity_dbm = -90.0 }}
-mac.csma_unslotted = {{ rx_on_when_idle = true, max_retries = 3 }}
-traffic.periodic = {{ mpdu_octets = 60, interval_s = 10.0, jitter = 0.5 }}
-[[sinks]]
-name = "sink"
-position_m = [-1.0, 0.0]
-{rest}
-"#,
-        places.join(", ")
-    );
-    std::fs::write(folder.join("scenario.toml"), text).expect("a file");
-    routing(&Scenario::load(folder.join("scenario.toml")).expect("a scenario"))
+mac.csma_unslotted = { rx_on_when_idle = true, max_retries = 3 }
+traffic.periodic = { mpdu_octets = 60, interval_s = 10.0, jitter = 0.5 }
+"#;
+    routing(&linked::chain(folder, nodes, [1.0, 1.0], &format!("{talk}{rest}")))
 }
 
 fn nearly_all(delivered: u64, offered: u64) -> bool {

@@ -26,3 +26,7 @@ position_m = [0.0, 0.0]
 pub(crate) fn summary(scenario: &Scenario) -> Summary {
     sextant::run(scenario, &mut (), &Unwatched).expect("a run").summary().clone()
 }
+
+pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: {found}, not {expected} within {tolerance}");
+}

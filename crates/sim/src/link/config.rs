@@ -153,6 +153,19 @@ impl Default for MacConfig {
 }
 
 impl MacConfig {
+    /// Its key in the table `mac`: `csma_unslotted`.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::CsmaUnslotted(_) => "csma_unslotted",
+            Self::BeaconEnabled(_) => "beacon_enabled",
+            Self::Tsch(_) => "tsch",
+            Self::Sleep(_) => "sleep",
+            Self::Program(_) => "program",
+            Self::SectorSweep(_) => "sector_sweep",
+        }
+    }
+
     /// The files that it names, each with its key below the table.
     pub fn files_mut(&mut self) -> impl Iterator<Item = (&'static str, &mut PathBuf)> {
         let own = match self {

@@ -5,11 +5,13 @@ use sextant_mac::RadioStates;
 
 use super::books::{Books, FrameSpans, RadioUse};
 use super::settings::Placement;
+use crate::scene::Scene;
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
 use crate::service::packets::Packets;
+use crate::service::report::{Destination, SendError};
 use crate::station::Roll;
 
 /// A packet that has left its link, or stays there because its station dies or the simulation ends.
@@ -81,6 +83,27 @@ impl Ledger {
         if fate == PacketFate::Sent(FrameOutcome::Received) {
             packets.octets_received += payload_octets;
         }
+    }
+
+    /// Whether a station can send to `to`: to all others, or to one of the network.
+    #[inline]
+    pub(super) fn can_reach(&self, station: StationId, to: Destination) -> Result<(), SendError> {
+        match to {
+            Destination::Station(to) if to == station || to.index() >= self.packets.len() || !self.has(to) => {
+                Err(SendError::NoSuchStation(to))
+            }
+            Destination::Station(_) | Destination::All => Ok(()),
+        }
+    }
+
+    /// Counts a frame of this size (octets) that a station is offered. Returns 1, or 0 in the warm-up.
+    #[inline]
+    pub(super) fn offer(&mut self, station: StationId, mpdu_octets: u8, scene: &mut Scene) -> u64 {
+        let counts = u64::from(scene.now >= self.counted_from);
+        self.packets[station.index()].offered += counts;
+        self.octets[station.index()] += counts * u64::from(mpdu_octets);
+        scene.offered += 1;
+        counts
     }
 
     /// A station dies. It may be told again, when the frame that was on air has ended.

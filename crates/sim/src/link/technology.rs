@@ -235,121 +235,57 @@ impl Technology {
     }
 }
 
-/// The questions of [`NetworkLinks`], to the links of whatever technology.
 impl Links {
     /// The radios, if programs command them.
     pub(crate) fn programmed(&mut self) -> Option<&mut programmed::Links> {
         if let Self::Programmed(links) = self { Some(links) } else { None }
     }
+}
 
-    pub(crate) fn trace(&mut self) {
-        ask!(self, links => links.trace());
-    }
+/// A question of [`NetworkLinks`], to the links of whatever technology.
+macro_rules! question {
+    (@[$($receiver:tt)+] $this:ident $question:ident($($argument:ident: $type:ty),*) $(-> $answer:ty)?) => {
+        #[inline]
+        pub(crate) fn $question($($receiver)+ $(, $argument: $type)*) $(-> $answer)? {
+            ask!($this, links => links.$question($($argument),*))
+        }
+    };
+    ($question:ident(&mut $this:ident $(, $($arguments:tt)+)?) $($answer:tt)*) => {
+        question!(@[&mut $this] $this $question($($($arguments)+)?) $($answer)*);
+    };
+    ($question:ident(&$this:ident $(, $($arguments:tt)+)?) $($answer:tt)*) => {
+        question!(@[&$this] $this $question($($($arguments)+)?) $($answer)*);
+    };
+    ($question:ident($this:ident $(, $($arguments:tt)+)?) $($answer:tt)*) => {
+        question!(@[$this] $this $question($($($arguments)+)?) $($answer)*);
+    };
+}
 
-    pub(crate) fn leave_pending(&mut self, scene: &mut Scene) {
-        ask!(self, links => links.leave_pending(scene));
-    }
-
-    pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
-        ask!(self, links => links.begin(station, scene));
-    }
-
-    pub(crate) fn begin_schedule(&mut self, scene: &mut Scene) {
-        ask!(self, links => links.begin_schedule(scene));
-    }
-
-    pub(crate) fn catch_up(&mut self, cut: Cut, scene: &mut Scene) -> SimTime {
-        ask!(self, links => links.catch_up(cut, scene))
-    }
-
-    pub(crate) fn count_from(&mut self, instant: SimTime) {
-        ask!(self, links => links.count_from(instant));
-    }
-
-    pub(crate) fn restart_meters(&mut self, now: SimTime) {
-        ask!(self, links => links.restart_meters(now));
-    }
-
-    #[inline]
-    pub(crate) fn offer(
-        &mut self,
-        station: StationId,
-        to: Destination,
-        payload: Payload<'_>,
-        scene: &mut Scene,
-    ) -> Result<FrameId, SendError> {
-        ask!(self, links => links.offer(station, to, payload, scene))
-    }
-
-    pub(crate) fn skip(&mut self, station: StationId, frames: u64) {
-        ask!(self, links => links.skip(station, frames));
-    }
-
-    pub(crate) fn take_time_from(&mut self, station: StationId, parent: StationId) {
-        ask!(self, links => links.take_time_from(station, parent));
-    }
-
-    pub(crate) fn follow(&mut self, station: StationId, parent: Option<StationId>, scene: &mut Scene) {
-        ask!(self, links => links.follow(station, parent, scene));
-    }
-
-    pub(crate) fn note_due(&mut self, station: StationId, due: DueFrames) {
-        ask!(self, links => links.note_due(station, due));
-    }
-
-    pub(crate) fn sweeps_sectors(&self) -> bool {
-        ask!(self, links => links.sweeps_sectors())
-    }
-
-    pub(crate) fn turns_antennas(&self) -> bool {
-        ask!(self, links => links.turns_antennas())
-    }
-
-    pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
-        ask!(self, links => links.sectors(station))
-    }
-
-    pub(crate) fn transmitter(&self, station: StationId) -> Option<Transmitter> {
-        ask!(self, links => links.transmitter(station))
-    }
-
-    pub(crate) fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {
-        ask!(self, links => links.sweep(station, kind, scene))
-    }
-
-    pub(crate) fn take_answers(&mut self, station: StationId) -> Vec<SweepAnswer> {
-        ask!(self, links => links.take_answers(station))
-    }
-
-    pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
-        ask!(self, links => links.listen(station, span, scene));
-    }
-
-    pub(crate) fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
-        ask!(self, links => links.metered_j(station, scene))
-    }
-
-    pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {
-        ask!(self, links => links.die(station, scene));
-    }
-
-    pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
-        ask!(self, links => links.moves(station, scene));
-    }
-
-    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        ask!(self, links => links.take_payload())
-    }
-
-    pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
-        ask!(self, links => links.give_back(frame));
-    }
-
-    pub(crate) fn packets(&self) -> &[Packets] {
-        ask!(self, links => links.packets())
-    }
-
-    pub(crate) fn finish(self, now: SimTime) -> Books {
-        ask!(self, links => links.finish(now))
-    }
+impl Links {
+    question!(trace(&mut self));
+    question!(leave_pending(&mut self, scene: &mut Scene));
+    question!(begin(&mut self, station: StationId, scene: &mut Scene));
+    question!(begin_schedule(&mut self, scene: &mut Scene));
+    question!(catch_up(&mut self, cut: Cut, scene: &mut Scene) -> SimTime);
+    question!(count_from(&mut self, instant: SimTime));
+    question!(restart_meters(&mut self, now: SimTime));
+    question!(offer(&mut self, station: StationId, to: Destination, payload: Payload<'_>, scene: &mut Scene) -> Result<FrameId, SendError>);
+    question!(skip(&mut self, station: StationId, frames: u64));
+    question!(take_time_from(&mut self, station: StationId, parent: StationId));
+    question!(follow(&mut self, station: StationId, parent: Option<StationId>, scene: &mut Scene));
+    question!(note_due(&mut self, station: StationId, due: DueFrames));
+    question!(sweeps_sectors(&self) -> bool);
+    question!(turns_antennas(&self) -> bool);
+    question!(sectors(&self, station: StationId) -> Option<u8>);
+    question!(transmitter(&self, station: StationId) -> Option<Transmitter>);
+    question!(sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError>);
+    question!(take_answers(&mut self, station: StationId) -> Vec<SweepAnswer>);
+    question!(listen(&mut self, station: StationId, span: Duration, scene: &mut Scene));
+    question!(metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64);
+    question!(die(&mut self, station: StationId, scene: &mut Scene));
+    question!(moves(&self, station: StationId, scene: &mut Scene));
+    question!(take_payload(&mut self) -> (Vec<u8>, Range<usize>));
+    question!(give_back(&mut self, frame: Vec<u8>));
+    question!(packets(&self) -> &[Packets]);
+    question!(finish(self, now: SimTime) -> Books);
 }

@@ -85,20 +85,8 @@ mod tests {
 
     /// A box from x = -1 to 1 and y = 1 to 2.
     fn wall() -> ObstacleField {
-        let shape = ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(0.0, 1.5, 0.0),
-            size_m: [2.0, 1.0, 2.0],
-            yaw_deg: 0.0,
-        });
-        let config = ObstacleConfig {
-            name: None,
-            shape,
-            material: None,
-            absorption_per_m: Some(1.0),
-            loss_db: None,
-            solid: true,
-            reflection_loss_db: None,
-        };
+        let shape = ShapeConfig::Box(BoxConfig::new(Position::new(0.0, 1.5, 0.0), [2.0, 1.0, 2.0]));
+        let config = ObstacleConfig::absorbing(shape, 1.0);
         ObstacleField::new(vec![Obstacle::try_from(config).unwrap()])
     }
 

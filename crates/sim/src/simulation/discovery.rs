@@ -68,7 +68,7 @@ impl TryFrom<DiscoveryConfig> for Discovery {
         if let Some(range_m) = range_m {
             SettingError::positive("range_m", range_m)?;
         }
-        let periodic = PeriodicConfig { mpdu_octets, interval_s, jitter: 0.5, acknowledged: false, to: None };
+        let periodic = PeriodicConfig::each(mpdu_octets, interval_s, 0.5);
         let traffic = Traffic::try_from(TrafficConfig::Periodic(periodic))
             .map_err(|error| SettingError { key: error.key.trim_start_matches("periodic.").to_owned(), ..error })?;
         Ok(Self { packets, traffic, range_m })

@@ -106,15 +106,7 @@ mod tests {
             size_m: [2.0, 3.0, 2.0],
             yaw_deg: 20.0,
         });
-        let config = ObstacleConfig {
-            name: None,
-            shape,
-            material: None,
-            absorption_per_m: Some(1.0),
-            loss_db: None,
-            solid: true,
-            reflection_loss_db: None,
-        };
+        let config = ObstacleConfig::absorbing(shape, 1.0);
         ObstacleField::new(vec![Obstacle::read(config, &Files::default()).expect("a good block")])
     }
 

@@ -44,16 +44,12 @@ pub(crate) fn link(antennas: &str) -> Network {
     let antennas =
         Antennas::read(&toml::from_str(antennas).expect("antennas"), &Files::default()).expect("good antennas");
     let links = Ieee80211ad::new(radio, ReceptionModel::Overlap, sweep, antennas).expect("sectors that fit");
-    Network {
-        name: None,
-        channel: channel.try_into().expect("a good channel"),
-        technology: Technology::Ieee80211ad(Box::new(links)),
-        radio_states: RadioStates::mmwave_60_ghz(),
-        traffic: TrafficPlan::silent(0),
-        ranging: None,
-        link_trace: None,
-        members: None,
-    }
+    Network::of(
+        channel.try_into().expect("a good channel"),
+        Technology::Ieee80211ad(Box::new(links)),
+        RadioStates::mmwave_60_ghz(),
+        TrafficPlan::silent(0),
+    )
 }
 
 /// What an application does at an instant.

@@ -86,19 +86,10 @@ fn only_the_senders_of_beacons_are_heard_and_beyond_the_hop_radius() {
 
 #[test]
 fn neighbours_behind_an_obstacle_do_not_hear_each_other() {
-    let wall = Obstacle::try_from(ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(1.5, 0.0, 0.0),
-            size_m: [2.0, 4.0, 2.0],
-            yaw_deg: 0.0,
-        }),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    })
+    let wall = Obstacle::try_from(ObstacleConfig::of(
+        ShapeConfig::Box(BoxConfig::new(Position::new(1.5, 0.0, 0.0), [2.0, 4.0, 2.0])),
+        "concrete",
+    ))
     .expect("a box");
     let places = [Position::ORIGIN, Position::new(3.0, 0.0, 0.0), Position::new(0.0, 3.0, 0.0)];
     let found = run(&setup(&places, 0.0, vec![wall], 4), &discovery(10, None), Round::Neighbours);

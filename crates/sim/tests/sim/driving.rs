@@ -10,12 +10,13 @@ use sextant_channel::{
 use sextant_kernel::{Files, SimTime};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, Faults, FrameOnAir,
-    FrameOutcome, Listening, Mac, Network, NetworkId, Observer, Payload, PeriodicConfig, Port, Pose, Robot,
-    RobotBody, RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig, TrafficPlan, Unobserved,
+    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, FrameOutcome,
+    Listening, Mac, Network, NetworkId, Observer, Payload, PeriodicConfig, Port, Pose, Robot, RobotBody,
+    RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig, TrafficPlan, Unobserved,
 };
 
 use crate::network::{self, Ended};
+use crate::on_air::Frames;
 
 const NETWORK: NetworkId = NetworkId(0);
 
@@ -156,19 +157,7 @@ fn field(obstacles: Vec<ObstacleConfig>) -> ObstacleField {
 
 /// A wall whose near face is at x = 4 m.
 fn wall() -> ObstacleConfig {
-    ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(5.0, 0.0, 0.0),
-            size_m: [2.0, 8.0, 4.0],
-            yaw_deg: 0.0,
-        }),
-        material: None,
-        absorption_per_m: Some(1.0),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    }
+    ObstacleConfig::absorbing(ShapeConfig::Box(BoxConfig::new(Position::new(5.0, 0.0, 0.0), [2.0, 8.0, 4.0])), 1.0)
 }
 
 /// Nodes at places, with their applications, and one robot.
@@ -190,13 +179,7 @@ impl Scene {
 
     fn run(self, observer: &mut impl Observer) -> (Driver, Ended<Station>) {
         let (places, mut applications): (Vec<_>, Vec<_>) = self.nodes.into_iter().unzip();
-        let traffic = TrafficConfig::Beacon(PeriodicConfig {
-            mpdu_octets: 20,
-            interval_s: 1.0,
-            jitter: 0.0,
-            acknowledged: false,
-            to: None,
-        });
+        let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 1.0, 0.0));
         let mut setup = network::setup(&places, 0.0, hard_range(), traffic, 3);
         setup.world.obstacles = self.obstacles;
         applications.push(Station::Robot(self.driver));
@@ -204,14 +187,9 @@ impl Scene {
         let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
         network::ieee802154(&mut link).mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
         let setup = Setup {
-            world: setup.world,
             robots: network::own_robots([self.robot]),
-            sinks: Vec::new(),
-            networks: vec![Network { traffic: TrafficPlan::silent(places.len()), ..link }],
             duration: Some(self.end),
-            faults: Faults::default(),
-            batteries: None,
-            seed: setup.seed,
+            ..Setup::of(setup.world, Network { traffic: TrafficPlan::silent(places.len()), ..link }, setup.seed)
         };
         let ended = network::run_watched(setup, applications, observer);
         let driver = match ended.applications.last() {
@@ -358,17 +336,8 @@ fn what_a_robot_has_driven_at_the_end_of_the_simulation_counts() {
 }
 
 /// The frames of nodes on air: first symbol, sequence number, power at the robot if it received the frame.
-#[derive(Default)]
-struct Frames(Vec<(SimTime, u8, Option<Dbm>)>);
-
-impl Observer for Frames {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push((frame.start, frame.bytes[2], frame.heard.first().map(|heard| heard.power)));
-    }
+fn frames() -> Frames<(SimTime, u8, Option<Dbm>)> {
+    Frames::kept(|frame| (frame.start, frame.bytes[2], frame.heard.first().map(|heard| heard.power)))
 }
 
 #[test]
@@ -381,7 +350,7 @@ fn a_robot_that_passes_a_node_hears_exactly_the_frames_that_begin_in_range() {
     scene.robot.speed_m_per_s = speed_m_per_s;
     scene.driver.listens = Some(Duration::from_secs(40));
     scene.end = Duration::from_secs(41);
-    let mut frames = Frames::default();
+    let mut frames = frames();
     let (driver, _) = scene.run(&mut frames);
     let in_range = |time: SimTime| (11.0..=19.0).contains(&(speed_m_per_s * time.as_secs_f64()));
     let expected: Vec<u8> = frames.0.iter().filter(|frame| in_range(frame.0)).map(|frame| frame.1).collect();
@@ -411,7 +380,7 @@ fn a_robot_on_an_arc_hears_exactly_the_frames_that_begin_in_range() {
     scene.nodes = vec![(node, Station::Beacon(Duration::from_millis(50)))];
     scene.driver.listens = Some(Duration::from_secs(26));
     scene.end = Duration::from_secs(27);
-    let mut frames = Frames::default();
+    let mut frames = frames();
     let (driver, _) = scene.run(&mut frames);
     // Law of cosines with the centre 7 m from the node: 25 = 16 + 49 - 56 cos a.
     let reach_rad = (40.0_f64 / 56.0).acos();
@@ -428,7 +397,7 @@ fn a_robot_halts_when_it_hears_a_node() {
     scene.nodes = vec![(node, Station::Beacon(Duration::from_millis(100)))];
     scene.driver.listens = Some(Duration::from_secs(30));
     scene.driver.halts = Halting::WhenItHears;
-    let mut frames = Frames::default();
+    let mut frames = frames();
     let (driver, ended) = scene.run(&mut frames);
     let first = frames.0.iter().find(|frame| frame.2.is_some()).expect("it heard the node").0;
     assert!(first >= at(15.0) && first < at(15.12), "{first:?}");
@@ -436,20 +405,6 @@ fn a_robot_halts_when_it_hears_a_node() {
     let halted_m = first.as_secs_f64() + 832e-6;
     assert_near(driver.poses[1].position, [halted_m, 0.0, 0.0], 1e-8);
     assert!((ended.robots[0].path_length_m - halted_m).abs() < 1e-8 && driver.ends.is_empty());
-}
-
-/// The outcomes of the frames that the robot sent.
-#[derive(Default)]
-struct Outcomes(Vec<FrameOutcome>);
-
-impl Observer for Outcomes {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push(frame.outcome);
-    }
 }
 
 #[test]
@@ -460,7 +415,7 @@ fn a_robot_sends_from_where_it_is_while_it_drives_and_listens() {
         scene.nodes = vec![(Position::new(20.0, 0.0, 0.0), Station::Ear(0))];
         scene.driver.listens = Some(Duration::from_secs(30));
         scene.driver.sends_at = Some(Duration::from_secs_f64(seconds));
-        let mut outcomes = Outcomes::default();
+        let mut outcomes = Frames::kept(|frame| frame.outcome);
         let (driver, ended) = scene.run(&mut outcomes);
         assert!(matches!(ended.applications[0], Station::Ear(count) if count == heard), "at {seconds} s");
         let is_received: Vec<bool> = outcomes.0.iter().map(|outcome| *outcome == FrameOutcome::Received).collect();
@@ -496,13 +451,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
         listening: Listening::AlsoWhileDriving,
         ..network::surveyor_body()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.1,
-        jitter: 0.0,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.1, 0.0));
     let mut setup: Setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.world.obstacles = field(vec![wall()]);
     setup.robots = vec![Robot { body, task: RobotTask::Survey(Box::new(Bend(0))) }];
@@ -535,13 +484,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
 
 #[test]
 fn a_drive_shorter_than_a_slot_is_driven_without_listening() {
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.1,
-        jitter: 0.0,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.1, 0.0));
     let places = vec![Position::new(1.5, 0.0, 0.0), Position::new(5.5, 0.0, 0.0)];
     let mut robot = network::tour(places, 0.25, Duration::from_secs(2));
     robot.body.listening = Listening::AlsoWhileDriving;

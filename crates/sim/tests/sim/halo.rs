@@ -20,7 +20,7 @@ const RANGE_M: f64 = 10.0;
 const LISTENERS: SimulatedRegion = SimulatedRegion::Listeners { halo_m: None };
 
 fn periodic() -> TrafficConfig {
-    let config = PeriodicConfig { mpdu_octets: 20, interval_s: 0.5, jitter: 0.1, acknowledged: false, to: None };
+    let config = PeriodicConfig::each(20, 0.5, 0.1);
     TrafficConfig::Periodic(config)
 }
 
@@ -162,7 +162,7 @@ fn all_nodes_are_simulated_where_they_cannot_rest() {
     assert_eq!(why(nobody), AllSimulated::NoListener);
     let silent = TrafficConfig::Silent(sextant_sim::SilentConfig {});
     assert_eq!(why(short(two_fields(silent, 1))), AllSimulated::OnlyAnswers);
-    let acknowledged = PeriodicConfig { mpdu_octets: 40, interval_s: 0.3, jitter: 0.4, acknowledged: true, to: None };
+    let acknowledged = PeriodicConfig { acknowledged: true, ..PeriodicConfig::each(40, 0.3, 0.4) };
     let retried = short(two_fields(TrafficConfig::Periodic(acknowledged), 1));
     assert_eq!(why(retried), AllSimulated::Acknowledged);
     let sink = Sink { name: "sink".into(), position: Position::new(48.0, 3.0, 0.0), networks: None };

@@ -5,27 +5,13 @@ use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, CorrelationConfig, Position, ShadowingConfig};
 use sextant_kernel::SimTime;
-use sextant_sim::{FrameOnAir, Observer, PeriodicConfig, ReceptionModel, Setup, Simulation, Sink, TrafficConfig};
+use sextant_sim::{PeriodicConfig, ReceptionModel, Setup, Simulation, Sink, TrafficConfig};
 
 use crate::network;
+use crate::on_air::Frames;
 
 /// Places where the robot listens.
 const PLACES: usize = 40;
-
-/// The frames on air: start, end, and the collectors that received it (0 is the robot, 1 + i the sink at place i).
-#[derive(Default)]
-struct Air(Vec<(SimTime, SimTime, Vec<usize>)>);
-
-impl Observer for Air {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        let heard = frame.heard.iter().map(|heard| heard.collector).collect();
-        self.0.push((frame.start, frame.start + frame.airtime, heard));
-    }
-}
 
 /// How many frames of each kind the robot and the sink at its place received.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -41,13 +27,7 @@ fn received(listen: Duration) -> Received {
     let places: Vec<_> = (0..PLACES).map(|i| Position::new((i % 8) as f64, (i / 8) as f64, 0.0)).collect();
     let nodes: Vec<_> =
         (0..200).map(|i| Position::new(f64::from(i % 20) * 0.5, f64::from(i / 20) * 0.7, 0.1)).collect();
-    let traffic = TrafficConfig::Periodic(PeriodicConfig {
-        mpdu_octets: 60,
-        interval_s: 0.5,
-        jitter: 0.5,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Periodic(PeriodicConfig::each(60, 0.5, 0.5));
     // Without shadowing, a robot and a sink at its place have the same power.
     let shadowing = ShadowingConfig { sigma_db: Some(0.0), correlation: CorrelationConfig::PerPacket };
     let channel = ChannelConfig { shadowing: Some(shadowing), max_range_m: Some(4.0), ..ChannelConfig::default() };
@@ -58,7 +38,11 @@ fn received(listen: Duration) -> Received {
     let mut robot = network::tour(places.clone(), 0.0, listen);
     robot.body.speed_m_per_s = 1e6;
     let setup = Setup { robots: vec![robot], sinks: places.iter().enumerate().map(sink).collect(), ..setup };
-    let mut air = Air::default();
+    // Its start, its end, and the collectors that received it (0 is the robot, 1 + i the sink at place i).
+    let mut air = Frames::kept(|frame| {
+        let heard: Vec<usize> = frame.heard.iter().map(|heard| heard.collector).collect();
+        (frame.start, frame.start + frame.airtime, heard)
+    });
     let survey = Simulation::new(setup).expect("good settings").run(&mut air);
     let mut counts = Received::default();
     for (i, stop) in survey.log().stops().iter().enumerate() {

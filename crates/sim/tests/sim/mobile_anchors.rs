@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_sim::{
-    Application, Applications, Broadcast, Delivery, Ending, Faults, Listening, Network, PeriodicConfig, Port, Pose,
-    Robot, RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
+    Application, Applications, Broadcast, Delivery, Ending, Listening, Network, PeriodicConfig, Port, Pose, Robot,
+    RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
 };
 
 use crate::{broadcasts, network};
@@ -62,14 +62,12 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
     let link = network::link(10.0, network::prompt());
     let nodes = network::nodes(&places);
     Setup {
-        networks: vec![Network { traffic: network::plan(traffic, places.len()), ..link }],
-        world: World { nodes, ..World::default() },
         robots: vec![robot],
-        sinks: Vec::new(),
-        duration: None,
-        faults: Faults::default(),
-        batteries: None,
-        seed: sextant_kernel::Seed(1),
+        ..Setup::of(
+            World { nodes, ..World::default() },
+            Network { traffic: network::plan(traffic, places.len()), ..link },
+            sextant_kernel::Seed(1),
+        )
     }
 }
 
@@ -133,7 +131,7 @@ fn a_broadcast_that_ends_on_a_drive_stops_the_robot_there() {
 
 #[test]
 fn traffic_beside_applications_of_nodes_is_refused() {
-    let periodic = PeriodicConfig { mpdu_octets: 20, interval_s: 1.0, jitter: 0.0, acknowledged: false, to: None };
+    let periodic = PeriodicConfig::each(20, 1.0, 0.0);
     let refused = |name: Option<&str>| {
         let mut setup = setup(None, Listening::AtStops, TrafficConfig::Periodic(periodic.clone()));
         setup.networks[0].name = name.map(str::to_owned);
@@ -148,7 +146,7 @@ fn traffic_beside_applications_of_nodes_is_refused() {
 
 #[test]
 fn frames_to_a_robot_do_not_go_to_a_mobile_anchor() {
-    let acknowledged = PeriodicConfig { mpdu_octets: 20, interval_s: 1.0, jitter: 0.0, acknowledged: true, to: None };
+    let acknowledged = PeriodicConfig { acknowledged: true, ..PeriodicConfig::each(20, 1.0, 0.0) };
     let with = |broadcast| {
         let setup = setup(broadcast, Listening::AtStops, TrafficConfig::Periodic(acknowledged.clone()));
         Simulation::new(setup).err().map(|error| error.key)

@@ -8,10 +8,10 @@ use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, Applications, CommandOutcome, Controller, Ending, Faults, Ieee802154, Listening, Mac, Network,
-    NetworkId, Observer, Odometry, OwnFrame, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
-    RobotCommand, RobotTask, Setup, Simulation, Situation, Survey, Technology, Traffic, TrafficConfig, TrafficPlan,
-    Unobserved, World,
+    Application, Applications, CommandOutcome, Controller, Ending, Ieee802154, Listening, Mac, Network, NetworkId,
+    Observer, Odometry, OwnFrame, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand,
+    RobotTask, Setup, Simulation, Situation, Survey, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved,
+    World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -94,29 +94,16 @@ pub(crate) fn setup(
     traffic: TrafficConfig,
     seed: u64,
 ) -> Setup {
-    let network = Network {
-        name: None,
-        channel: channel.try_into().expect("good settings"),
-        technology: Technology::Ieee802154(Ieee802154 {
+    let network = Network::of(
+        channel.try_into().expect("good settings"),
+        Technology::Ieee802154(Ieee802154 {
             radio: radios(radio(tx_power_dbm)),
             mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         }),
-        radio_states: RadioStates::cc2420(),
-        traffic: plan(traffic, places.len()),
-        ranging: None,
-        link_trace: None,
-        members: None,
-    };
-    Setup {
-        world: World { nodes: nodes(places), ..World::default() },
-        networks: vec![network],
-        robots: Vec::new(),
-        sinks: Vec::new(),
-        duration: None,
-        faults: Faults::default(),
-        batteries: None,
-        seed: Seed(seed),
-    }
+        RadioStates::cc2420(),
+        plan(traffic, places.len()),
+    );
+    Setup::of(World { nodes: nodes(places), ..World::default() }, network, Seed(seed))
 }
 
 /// The same traffic for all of `nodes` nodes.
@@ -169,50 +156,25 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
         max_range_m: Some(range_m),
         ..ChannelConfig::default()
     };
-    Network {
-        name: None,
-        channel: channel.try_into().expect("good settings"),
-        technology: Technology::Ieee802154(Ieee802154 {
+    Network::of(
+        channel.try_into().expect("good settings"),
+        Technology::Ieee802154(Ieee802154 {
             radio: radios(radio(0.0)),
             mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
         }),
-        radio_states: RadioStates::cc2420(),
-        traffic: TrafficPlan::silent(0),
-        ranging: None,
-        link_trace: None,
-        members: None,
-    }
+        RadioStates::cc2420(),
+        TrafficPlan::silent(0),
+    )
 }
 
 /// Nodes at `places`, without obstacles, robots and sinks, in one network, until nothing is left to happen.
 pub(crate) fn engine(places: &[Position], link: Network, seed: u64) -> Setup {
-    Setup {
-        world: World { nodes: nodes(places), ..World::default() },
-        robots: Vec::new(),
-        sinks: Vec::new(),
-        networks: vec![link],
-        duration: None,
-        faults: Faults::default(),
-        batteries: None,
-        seed: Seed(seed),
-    }
+    Setup::of(World { nodes: nodes(places), ..World::default() }, link, Seed(seed))
 }
 
 /// The body of a robot that starts at `start`.
 pub(crate) fn body(name: &str, start: Position) -> RobotBody {
-    RobotBody {
-        name: name.into(),
-        start,
-        believed_start: None,
-        speed_m_per_s: 0.5,
-        radius_m: 0.2,
-        listen: Duration::from_secs(1),
-        networks: vec![NetworkId::default()],
-        sweeps_per_stop: 1,
-        listening: Listening::AtStops,
-        odometry: Odometry::default(),
-        frame: OwnFrame::default(),
-    }
+    RobotBody { name: name.into(), start, speed_m_per_s: 0.5, radius_m: 0.2, ..surveyor_body() }
 }
 
 /// `columns` times `rows` places one metre apart, row by row.

@@ -43,13 +43,7 @@ fn setup(robot: Robot, odometry: OdometryConfig, seed: u64) -> Setup {
         max_range_m: Some(5.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let odometry = Odometry::try_from(odometry).expect("good settings");
     let robot = Robot { body: RobotBody { odometry, ..robot.body }, ..robot };
     Setup { robots: vec![robot], ..network::setup(&places, -30.0, channel, traffic, seed) }
@@ -182,19 +176,10 @@ impl Controller for ToTheWall {
 
 #[test]
 fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_robot_believes_them() {
-    let wall = ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(8.0, 0.0, 0.0),
-            size_m: [2.0, 30.0, 4.0],
-            yaw_deg: 0.0,
-        }),
-        material: None,
-        absorption_per_m: Some(1.0),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let wall = ObstacleConfig::absorbing(
+        ShapeConfig::Box(BoxConfig::new(Position::new(8.0, 0.0, 0.0), [2.0, 30.0, 4.0])),
+        1.0,
+    );
     let robot =
         Robot { body: network::surveyor_body(), task: RobotTask::Survey(Box::new(ToTheWall { contacts: 0 })) };
     let mut setup = setup(robot, OdometryConfig { scale_error: 0.25, ..EXACT }, 1);

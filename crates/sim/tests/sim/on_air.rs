@@ -48,3 +48,22 @@ impl Observer for OnAir {
         });
     }
 }
+
+/// What a function keeps of each frame, in the order of their ends.
+pub(crate) struct Frames<T>(pub(crate) Vec<T>, fn(&FrameOnAir<'_>) -> T);
+
+impl<T> Frames<T> {
+    pub(crate) fn kept(keep: fn(&FrameOnAir<'_>) -> T) -> Self {
+        Self(Vec::new(), keep)
+    }
+}
+
+impl<T> Observer for Frames<T> {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        self.0.push(self.1(&frame));
+    }
+}

@@ -9,6 +9,7 @@ use sextant_kernel::SimTime;
 use sextant_sim::{FrameOnAir, FrameOutcome, Observer, OnceConfig, Setup, Simulation, TrafficConfig};
 
 use crate::network;
+use crate::on_air::Frames;
 
 /// Collects the ends of received frames.
 #[derive(Default)]
@@ -167,7 +168,7 @@ fn with_acknowledgement_and_retries_delivery_and_failures_match_the_references()
 fn one_node_alone_sends_one_frame_after_its_backoff() {
     let mut counts = [0_u32; 8];
     for round in 0..4000 {
-        let mut starts = Starts::default();
+        let mut starts = Frames::kept(|frame| frame.start);
         Simulation::new(setup(1, 20, false, round)).unwrap().run(&mut starts);
         let [start] = starts.0[..] else { panic!("one frame, not {:?}", starts.0) };
         let periods = (start - SimTime::ZERO).as_micros() - 320;
@@ -177,17 +178,4 @@ fn one_node_alone_sends_one_frame_after_its_backoff() {
     let chi_square: f64 = counts.iter().map(|&n| (f64::from(n) - 500.0).powi(2) / 500.0).sum();
     // The upper 1e-5 of chi-square with 7 degrees of freedom.
     assert!(chi_square < 35.3, "backoff is not uniform: {counts:?}");
-}
-
-#[derive(Default)]
-struct Starts(Vec<SimTime>);
-
-impl Observer for Starts {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push(frame.start);
-    }
 }

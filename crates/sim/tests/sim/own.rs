@@ -9,9 +9,7 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::Seed;
 use sextant_mac::csma::CsmaConfig;
-use sextant_sim::{
-    Faults, Network, NetworkId, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
-};
+use sextant_sim::{Network, NetworkId, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World};
 
 use crate::network;
 
@@ -33,13 +31,9 @@ fn setup(world: World, robots: &[[f64; 3]], sinks: &[[f64; 3]], duration_s: f64,
         networks: None,
     };
     Setup {
-        world,
-        networks: vec![Network { traffic, ..link }],
         robots: robots.iter().enumerate().map(body).map(|body| Robot { body, task: RobotTask::Own }).collect(),
         sinks: sinks.iter().enumerate().map(sink).collect(),
         duration: Some(Duration::from_secs_f64(duration_s)),
-        faults: Faults::default(),
-        batteries: None,
-        seed: Seed(seed),
+        ..Setup::of(world, Network { traffic, ..link }, Seed(seed))
     }
 }

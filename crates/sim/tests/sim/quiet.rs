@@ -52,7 +52,10 @@ fn nodes_that_nobody_watches_do_what_watched_nodes_do() {
     };
     let periodic = |acknowledged| {
         let (mpdu_octets, interval_s, jitter) = (50, 0.1, 0.5);
-        TrafficConfig::Beacon(PeriodicConfig { mpdu_octets, interval_s, jitter, acknowledged, to: None })
+        TrafficConfig::Beacon(PeriodicConfig {
+            acknowledged,
+            ..PeriodicConfig::each(mpdu_octets, interval_s, jitter)
+        })
     };
     let poisson =
         TrafficConfig::Poisson(PoissonConfig { mpdu_octets: 20, rate_per_s: 20.0, acknowledged: false, to: None });

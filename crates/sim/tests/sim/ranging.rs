@@ -30,13 +30,7 @@ fn setup(device: RangingDeviceConfig, listening: Listening) -> Setup {
         max_range_m: Some(5.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let corners = [[4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]].map(Position::from);
     let robot = network::tour([corners, corners].concat(), 0.25, Duration::from_secs(1));
     let robot = Robot { body: RobotBody { listening, ..robot.body }, ..robot };
@@ -101,19 +95,10 @@ fn ranges_behind_an_obstacle_are_too_long_and_rarer() {
         dropout_behind_obstacles: Some(0.5),
         ..RangingDeviceConfig::default()
     };
-    let wall = ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(2.0, 2.0, 0.0),
-            size_m: [1.5, 1.5, 2.0],
-            yaw_deg: 0.0,
-        }),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let wall = ObstacleConfig::of(
+        ShapeConfig::Box(BoxConfig::new(Position::new(2.0, 2.0, 0.0), [1.5, 1.5, 2.0])),
+        "concrete",
+    );
     let mut setup = setup(device, Listening::AtStops);
     setup.world.obstacles = ObstacleField::new(vec![Obstacle::try_from(wall).expect("a box")]);
     let survey = survey(setup);

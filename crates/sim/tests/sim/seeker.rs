@@ -95,13 +95,8 @@ impl Seeker {
         let heard = std::mem::take(&mut self.heard);
         let mean = |(&node, &(sum_dbm, frames)): (&u16, &(f64, u32))| (node, Dbm(sum_dbm / f64::from(frames)));
         let receptions = heard.iter().map(|(&node, &(sum_dbm, frames))| Reception {
-            node: NodeId(node.into()),
-            stop: 0,
-            received: frames,
-            sent: frames,
-            sector: None,
             rssi_dbm: Some(sum_dbm / f64::from(frames)),
-            snr_db: None,
+            ..Reception::heard(NodeId(node.into()), 0, frames, frames)
         });
         port.log_stop(NetworkId(0), self.listening_since, port.pose().position, receptions.collect::<Vec<_>>());
         let strongest = heard.iter().map(mean).max_by(|a, b| a.1.0.total_cmp(&b.1.0));
@@ -222,17 +217,9 @@ fn a_robot_ends_within_a_step_of_the_node_that_is_nearest_to_it_among_several() 
 
 #[test]
 fn a_robot_goes_along_a_wall_that_is_in_its_way() {
-    let cuboid = BoxConfig { center_m: Position::new(2.5, 0.0, 0.0), size_m: [0.2, 1.0, 2.0], yaw_deg: 0.0 };
+    let cuboid = BoxConfig::new(Position::new(2.5, 0.0, 0.0), [0.2, 1.0, 2.0]);
     // It absorbs no power.
-    let wall = ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(cuboid),
-        material: None,
-        absorption_per_m: Some(0.0),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let wall = ObstacleConfig::absorbing(ShapeConfig::Box(cuboid), 0.0);
     let (ended, seeker) = seek(&[Position::new(4.2, 4.1, 0.0)], vec![wall.try_into().expect("a wall")]);
     assert_eq!(seeker.base, Position::new(4.0, 4.0, 0.0));
     assert_eq!(ended.log().contacts().len(), 1);

@@ -12,8 +12,8 @@ use std::time::Duration;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{Files, NodeId, Seed, SimTime};
 use sextant_sim::{
-    Application, AtEnd, Faults, Observer, Port, Sensed, Sensors, SensorsConfig, Setup, Target, TargetConfig,
-    TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
+    Application, AtEnd, Observer, Port, Sensed, Sensors, SensorsConfig, Setup, Target, TargetConfig, TargetId,
+    TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
 };
 
 use crate::network::{self, Ended};
@@ -99,14 +99,8 @@ fn run<A: Application>(
     observer: &mut impl Observer,
 ) -> Ended<A> {
     let setup = Setup {
-        world,
-        robots: Vec::new(),
-        sinks: Vec::new(),
-        networks: vec![network::link(1.0, network::prompt())],
         duration: Some(Duration::from_secs_f64(duration_s)),
-        faults: Faults::default(),
-        batteries: None,
-        seed: Seed(seed),
+        ..Setup::of(world, network::link(1.0, network::prompt()), Seed(seed))
     };
     network::run_watched(setup, applications, observer)
 }
@@ -123,12 +117,10 @@ fn watched(world: World, duration_s: f64, seed: u64) -> (Ended<Watcher>, Noteboo
 fn block(center: [f64; 3], size_m: [f64; 3]) -> Obstacle {
     let config = ObstacleConfig {
         name: Some("block".into()),
-        shape: ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::of(
+            ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
+            "concrete",
+        )
     };
     Obstacle::read(config, &Files::default()).expect("a good block")
 }

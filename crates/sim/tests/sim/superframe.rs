@@ -53,7 +53,7 @@ fn query(mpdu_octets: u8, acknowledged: bool) -> TrafficConfig {
 }
 
 fn periodic(interval_s: f64) -> TrafficConfig {
-    TrafficConfig::Beacon(PeriodicConfig { mpdu_octets: 20, interval_s, jitter: 0.1, acknowledged: false, to: None })
+    TrafficConfig::Beacon(PeriodicConfig::each(20, interval_s, 0.1))
 }
 
 /// Nodes near the origin that all hear each other and a robot that listens once there.

@@ -7,11 +7,12 @@ use sextant_channel::{
 };
 use sextant_kernel::{Files, NodeId, SimTime};
 use sextant_sim::{
-    Ending, FrameOnAir, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, ReceptionModel, Robot, Setup,
-    Simulation, Survey, TrafficConfig, Unobserved,
+    Ending, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, ReceptionModel, Robot, Setup, Simulation,
+    Survey, TrafficConfig, Unobserved,
 };
 
 use crate::network;
+use crate::on_air::Frames;
 
 /// A robot that listens at each of `places`.
 fn tour(places: Vec<Position>, listen: Duration) -> Robot {
@@ -24,13 +25,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         max_range_m: Some(10.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(PeriodicConfig {
-        mpdu_octets: 20,
-        interval_s: 0.5,
-        jitter: 0.1,
-        acknowledged: false,
-        to: None,
-    });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let setup = network::setup(places, -50.0, channel, traffic, seed);
     let setup =
         network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
@@ -103,16 +98,10 @@ fn hidden_nodes_collide_at_the_rate_that_their_backoffs_imply() {
 fn a_block_of_concrete_silences_the_node_behind_it() {
     let block = ObstacleConfig {
         name: Some("block".into()),
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(0.0, 3.0, 0.0),
-            size_m: [4.0, 2.0, 4.0],
-            yaw_deg: 0.0,
-        }),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
+        ..ObstacleConfig::of(
+            ShapeConfig::Box(BoxConfig::new(Position::new(0.0, 3.0, 0.0), [4.0, 2.0, 4.0])),
+            "concrete",
+        )
     };
     let places = [Position::new(0.0, 5.0, 0.0), Position::new(0.0, -5.0, 0.0)];
     let robot = tour(vec![Position::new(0.0, 0.1, 0.0)], Duration::from_secs(60));
@@ -126,19 +115,10 @@ fn a_block_of_concrete_silences_the_node_behind_it() {
 
 #[test]
 fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
-    let wall = ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(BoxConfig {
-            center_m: Position::new(5.0, 0.0, 0.0),
-            size_m: [2.0, 8.0, 4.0],
-            yaw_deg: 0.0,
-        }),
-        material: None,
-        absorption_per_m: Some(1.0),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let wall = ObstacleConfig::absorbing(
+        ShapeConfig::Box(BoxConfig::new(Position::new(5.0, 0.0, 0.0), [2.0, 8.0, 4.0])),
+        1.0,
+    );
     let robot = tour(vec![Position::new(9.0, 0.0, 0.0)], Duration::from_secs(1));
     let mut setup = setup(&[Position::new(1.0, 1.0, 0.0)], robot, 1);
     setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, &Files::default()).expect("a good wall")]);
@@ -246,20 +226,6 @@ fn several_robots_are_rejected_if_nodes_send_to_one() {
     assert_eq!(Simulation::new(setup).err().expect("refused").key, "robots");
 }
 
-/// The frames on air, and whether the robot received each: its source, its end, its sequence number.
-#[derive(Default)]
-struct Air(Vec<(NodeId, SimTime, bool)>);
-
-impl Observer for Air {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push((NodeId(frame.source.0), frame.start + frame.airtime, !frame.heard.is_empty()));
-    }
-}
-
 #[test]
 fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_last_of_them() {
     let listen = Duration::from_secs(6);
@@ -267,7 +233,9 @@ fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_
     let mut setup = setup(&field_of(3), tour(places, listen), 9);
     // Shadowing takes about one packet in six at the longest distances.
     network::ieee802154(&mut setup.networks[0]).radio = network::radios(network::radio(-65.0));
-    let mut air = Air::default();
+    // Its source, its end, and whether the robot received it.
+    let mut air =
+        Frames::kept(|frame| (NodeId(frame.source.0), frame.start + frame.airtime, !frame.heard.is_empty()));
     let survey = Simulation::new(setup).unwrap().run(&mut air);
     assert_eq!(survey.packets.lost_channel_access, 0, "each sequence number was on air");
     let mut with_gaps = 0;

@@ -10,9 +10,9 @@ use sextant_kernel::{Files, NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
 use sextant_sim::{
-    Antennas, AntennasConfig, DeathsConfig, DiscoveryConfig, DmgRadio, Faults, FaultsConfig, FrameOnAir,
-    FrameOutcome, HeadingsConfig, Ieee80211ad, Network, Observer, ReceptionModel, RobotHeadingsConfig, Round, Setup,
-    Simulation, Survey, Technology, TrafficPlan, Unobserved, World, discover,
+    Antennas, AntennasConfig, DeathsConfig, DiscoveryConfig, DmgRadio, FaultsConfig, FrameOnAir, FrameOutcome,
+    HeadingsConfig, Ieee80211ad, Network, Observer, ReceptionModel, RobotHeadingsConfig, Round, Setup, Simulation,
+    Survey, Technology, TrafficPlan, Unobserved, World, discover,
 };
 
 use crate::network;
@@ -63,27 +63,17 @@ impl Scene {
             path_loss: Some(PathLossConfig::LogDistance(law)),
             ..ChannelConfig::default()
         };
-        let network = Network {
-            name: None,
-            channel: channel.try_into().expect("a good channel"),
-            technology: self.technology(&antennas),
-            radio_states: RadioStates::mmwave_60_ghz(),
-            traffic: TrafficPlan::silent(self.places.len()),
-            ranging: None,
-            link_trace: None,
-            members: None,
-        };
+        let network = Network::of(
+            channel.try_into().expect("a good channel"),
+            self.technology(&antennas),
+            RadioStates::mmwave_60_ghz(),
+            TrafficPlan::silent(self.places.len()),
+        );
         let mut robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(100));
         robot.body.sweeps_per_stop = self.sweeps;
         Setup {
-            world: World { nodes: network::nodes(&self.places), ..World::default() },
-            networks: vec![network],
             robots: vec![robot],
-            sinks: Vec::new(),
-            duration: None,
-            faults: Faults::default(),
-            batteries: None,
-            seed: Seed(self.seed),
+            ..Setup::of(World { nodes: network::nodes(&self.places), ..World::default() }, network, Seed(self.seed))
         }
     }
 

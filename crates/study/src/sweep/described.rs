@@ -67,24 +67,8 @@ pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
             measured(plan).into_iter().filter_map(measures).collect::<Vec<_>>()
         }
         None => {
-            let name = || vec!["NAME".to_owned()];
-            let subjects = Subjects {
-                maps: name(),
-                by_nodes: name(),
-                applications: name(),
-                searches: name(),
-                keep_links: name(),
-                has_routing: true,
-                has_way_down: true,
-                has_rpl: true,
-                has_fragments: true,
-                has_slots: true,
-                has_negotiated_cells: true,
-                has_batteries: true,
-                has_sleep: true,
-            };
             let (of_maps, of_runs): (Vec<_>, Vec<_>) =
-                all(&subjects).into_iter().partition(|measure| measure.map().is_some());
+                all(&Subjects::every("NAME")).into_iter().partition(|measure| measure.map().is_some());
             of_runs.iter().chain(&of_maps).map(of_measure).collect()
         }
     });

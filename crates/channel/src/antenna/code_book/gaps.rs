@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::text::counted;
 
 use super::Flaw;
@@ -13,9 +11,8 @@ use crate::antenna::sector::runs;
 
 /// What becomes of directions of the grid that a file has no gain for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Gaps {
     /// A file with gaps is refused, and the gaps are named.
     #[default]

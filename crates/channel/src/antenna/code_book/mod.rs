@@ -11,8 +11,6 @@ mod wedges;
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::SECTORS_OF_ANTENNA;
@@ -24,9 +22,8 @@ pub use unit::look_like_factors;
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CodeBookConfig {
     /// A CSV file with the columns `sector`, `azimuth_deg`, `elevation_deg` and `gain_dbi`, in any order: a row for
     /// each sector and direction of a regular grid. Identities of sectors are 0 to 63 and may have gaps; the rows of
@@ -75,9 +72,8 @@ pub struct CodeBookConfig {
 
 /// Measured gains of one sector, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorGainsConfig {
     /// Identity of the sector on air, 0 to 63.
     pub sector: u8,

@@ -1,7 +1,5 @@
 //! Upright boxes.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::clip::{Clip, GRAZE_M};
@@ -12,9 +10,8 @@ use crate::geometry::position::Position;
 
 /// An upright box, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct BoxConfig {
     /// Middle of the box (m): at half its height if it stands on the ground.
     pub center_m: Position,
@@ -23,6 +20,14 @@ pub struct BoxConfig {
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
     #[cfg_attr(feature = "config", serde(default))]
     pub yaw_deg: f64,
+}
+
+impl BoxConfig {
+    /// A box with this centre and these sizes (m), along the axes.
+    #[must_use]
+    pub fn new(center_m: Position, size_m: [f64; 3]) -> Self {
+        Self { center_m, size_m, yaw_deg: 0.0 }
+    }
 }
 
 /// An upright box.

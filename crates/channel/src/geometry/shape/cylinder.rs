@@ -1,7 +1,5 @@
 //! Upright cylinders.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::clip::{Clip, GRAZE_M};
@@ -11,9 +9,8 @@ use crate::geometry::position::Position;
 
 /// An upright cylinder, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CylinderConfig {
     /// Middle of the bottom face (m).
     pub base_m: Position,

@@ -1,8 +1,6 @@
 //! Convex hulls of points.
 
 use parry3d_f64::transformation::try_convex_hull;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::polytope::{Plane, Polytope};
@@ -13,9 +11,8 @@ use crate::geometry::position::Position;
 
 /// A convex hull, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ConvexConfig {
     /// Points whose hull is the obstacle (m).
     pub points_m: Vec<Position>,

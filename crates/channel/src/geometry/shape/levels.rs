@@ -63,6 +63,18 @@ impl Levels {
     }
 }
 
+/// Sorts parts of a line (m), and joins those with a millimetre or less between them.
+pub(crate) fn join_near(spans: &mut Vec<[f64; 2]>) {
+    spans.sort_unstable_by(|one, other| one[0].total_cmp(&other[0]));
+    spans.dedup_by(|later, earlier| {
+        let is_near = later[0] - earlier[1] <= LEVEL_M;
+        if is_near {
+            earlier[1] = earlier[1].max(later[1]);
+        }
+        is_near
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

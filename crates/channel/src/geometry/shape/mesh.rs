@@ -4,12 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
-use super::levels::LEVEL_M;
+use super::levels::join_near;
 use super::obj::{self, MaterialFaces};
 use super::surface::Surface;
 use super::triangle::{self, Meeting};
@@ -22,9 +20,8 @@ use crate::geometry::tree::Tree;
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
 /// they count once.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MeshConfig {
     /// A Wavefront .obj file in metres, z up. If the obstacle has no material, its faces are those of one obstacle for each
     /// material of the file (`usemtl`), each closed.
@@ -157,13 +154,7 @@ impl Mesh {
         }
         let u = (to - from) * (1.0 / length_m);
         let mut spans = self.pieces(from, u, length_m);
-        spans.dedup_by(|later, earlier| {
-            let is_same = later[0] - earlier[1] <= LEVEL_M;
-            if is_same {
-                earlier[1] = later[1];
-            }
-            is_same
-        });
+        join_near(&mut spans);
         spans
     }
 

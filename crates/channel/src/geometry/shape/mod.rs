@@ -17,8 +17,6 @@ mod triangle;
 
 use std::path::Path;
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{Files, SettingError};
 
 pub use cuboid::BoxConfig;
@@ -34,8 +32,8 @@ use clip::Clip;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 pub(crate) use facet::{Edge, Face, Facet};
-pub(crate) use levels::LEVEL_M;
 use levels::Levels;
+pub(crate) use levels::{LEVEL_M, join_near};
 use mesh::Mesh;
 pub(crate) use polytope::Plane;
 use polytope::Polytope;
@@ -46,9 +44,8 @@ pub(crate) use sweep::Sweep;
 /// The shape of an obstacle as written in a scenario. What is level with its floor is in it, and what is level with its
 /// roof, or on one of its sides, is not: a wall that stands on the ground (from z = 0 up) blocks stations on the ground.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ShapeConfig {
     /// An upright box.
     Box(BoxConfig),

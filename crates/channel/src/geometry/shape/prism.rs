@@ -1,7 +1,5 @@
 //! Upright prisms over a convex footprint.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::clip::GRAZE_M;
@@ -12,9 +10,8 @@ use crate::geometry::position::Position;
 
 /// An upright prism, as written in a scenario.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct PrismConfig {
     /// Corners of the convex footprint in order, clockwise or counterclockwise (m).
     pub corners_m: Vec<[f64; 2]>,

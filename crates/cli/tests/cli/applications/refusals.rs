@@ -1,21 +1,11 @@
 //! Applications that are refused, each with its key and what is allowed.
 
-use tempfile::TempDir;
-
 use super::{AGENT, FIELD, NODES, SEEKING, seeking};
-use crate::program::sextant;
+use crate::program::check_text;
 
 /// What `check` says of an invalid scenario, beside which there may be a file `map.csv`.
 pub(super) fn refused(scenario: &str, map: Option<&str>) -> String {
-    let folder = TempDir::new().unwrap();
-    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    if let Some(map) = map {
-        std::fs::write(folder.path().join("map.csv"), map).unwrap();
-    }
-    let output = sextant().current_dir(folder.path()).args(["check", "a.toml"]).output().unwrap();
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    let said = String::from_utf8(output.stderr).unwrap();
-    said.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+    check_text(scenario, &map.map(|map| ("map.csv", map)).into_iter().collect::<Vec<_>>())
 }
 
 #[test]

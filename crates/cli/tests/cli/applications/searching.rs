@@ -4,8 +4,8 @@ use std::fs;
 
 use sextant_recording::read_world;
 
-use super::{AGENT, NODES, number, run, topics};
-use crate::program::sextant;
+use super::{AGENT, NODES, topics};
+use crate::program::{Said, number, run_text, sextant};
 
 const TARGET: &str = r#"
 [[world.targets]]
@@ -41,7 +41,7 @@ fn searching() -> String {
 
 #[test]
 fn robots_capture_a_target_and_the_recording_tells_where() {
-    let (folder, summary) = run(&searching(), &[]);
+    let (folder, summary) = run_text(&searching(), &[]);
     let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
         let application = &summary["applications"][i];
@@ -75,7 +75,7 @@ fn robots_capture_a_target_and_the_recording_tells_where() {
 #[test]
 fn the_table_of_a_sweep_has_the_course_of_each_search() {
     let scenario = searching() + "\n[sweep]\nruns = 1\n";
-    let (folder, summary) = run(&scenario, &[]);
+    let (folder, summary) = run_text(&scenario, &[]);
     let output = sextant().current_dir(folder.path()).args(["sweep", "a.toml", "--out", "t.csv", "--quiet"]).output();
     let output = output.unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -116,9 +116,8 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
 
 #[test]
 fn figures_show_ways_and_the_capture() {
-    let (folder, _) = run(&searching(), &[]);
-    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let (folder, _) = run_text(&searching(), &[]);
+    sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap().printed();
     let figure = |name: &str| fs::read_to_string(folder.path().join("f").join(name)).unwrap();
     let picture = figure("application-detarsk.svg");
     for text in ["way of hare", "path of hunter", "capture", "1 of 1 target captured"] {
@@ -134,7 +133,7 @@ fn a_search_with_false_alarms_captures_and_counts_them() {
     let trusted = "[[applications]]\nname = \"trusted\"\nmap.physical = {}\nduration_s = 90.0\n\
         algorithm.detarsk = { detections = \"trusted\" }\n";
     let scenario = [&searching().replace("radius_m = 1.5\n", errors), trusted].concat();
-    let (folder, summary) = run(&scenario, &[]);
+    let (folder, summary) = run_text(&scenario, &[]);
     let [doubted, _, trusted] = [0, 1, 2].map(|i| &summary["applications"][i]);
     assert_eq!((&doubted["captured"], &trusted["name"]), (&true.into(), &"trusted".into()));
     let mut said = 0.0;
@@ -166,13 +165,14 @@ fn a_robot_on_patrol_captures_a_target_that_no_node_detects() {
         .replace("radius_m = 1.5\n", "radius_m = 1.5\nmiss_probability = 0.9999999\n")
         .replace("[[1.0, 1.0], [7.0, 1.5], [7.0, 6.5], [1.5, 6.5]]", "[[4.0, 3.6]]");
     let rule = |rule: &str| hidden.replace("detarsk = {}", &format!("detarsk.before_detection = \"{rule}\""));
-    let captured = |rule_name: &str| run(&rule(rule_name), &[]).1["applications"][0]["captured"].clone();
+    let captured = |rule_name: &str| run_text(&rule(rule_name), &[]).1["applications"][0]["captured"].clone();
     assert_eq!([captured("wait"), captured("patrol")], [false, true]);
 }
 
 #[test]
 fn the_number_of_threads_changes_no_byte() {
-    let bytes = |threads| fs::read(run(&searching(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
+    let bytes =
+        |threads| fs::read(run_text(&searching(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
     assert!(bytes("1") == bytes("2"));
 }
 
@@ -221,14 +221,14 @@ fn slower_robots_targets_elsewhere_and_missing_sinks_are_refused() {
         assert!(said.contains(key) && said.contains(allowed), "{key}: {said}");
     }
     let allowed = slow.replace("duration_s = 90.0", "duration_s = 8.0\nallow_slower = true");
-    let (_folder, summary) = run(&allowed, &[]);
+    let (_folder, summary) = run_text(&allowed, &[]);
     assert!((number(&summary["applications"][0]["sim_time_s"]) - 8.0).abs() < 1e-9, "nobody is that fast");
 }
 
 #[test]
 fn a_target_that_nobody_meets_is_not_captured() {
     let short = searching().replace("duration_s = 90.0", "duration_s = 6.0");
-    let (folder, summary) = run(&short, &[]);
+    let (folder, summary) = run_text(&short, &[]);
     let application = &summary["applications"][0];
     assert_eq!(application["captured"], false);
     assert!(application["time_s"].is_null() && application["targets"][0]["captured_s"].is_null());

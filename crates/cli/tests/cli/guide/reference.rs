@@ -5,13 +5,11 @@ mod keys;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::program::sextant;
+use crate::program::{Said, sextant};
 
 /// What the program prints.
 fn printed(words: &[&str]) -> String {
-    let output = sextant().args(words).output().expect("the program starts");
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("UTF-8")
+    sextant().args(words).output().expect("the program starts").printed()
 }
 
 /// The reference of commands.

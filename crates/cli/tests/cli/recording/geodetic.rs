@@ -9,7 +9,7 @@ use sextant_channel::Position;
 use sextant_logs::{self as robot_log, LocalPlane, ReadOptions};
 use tempfile::TempDir;
 
-use crate::program::sextant;
+use crate::program::{Said, call};
 
 /// Fiji: the survey crosses 180 degrees.
 const ORIGIN: [f64; 3] = [-16.8, 179.9999, 30.0];
@@ -52,10 +52,7 @@ fn survey() -> TempDir {
 
 /// Runs `sextant map WORDS --profile fitted` in `folder`; returns exit code, standard output and standard error.
 fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = sextant();
-    let output = command.arg("map").args(words).args(["--profile", "fitted"]).current_dir(folder).output().unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+    call(folder, &[&["map"], words, &["--profile", "fitted"]].concat()).all()
 }
 
 /// The rows of a CSV file by the names of their columns.

@@ -5,13 +5,12 @@ use sextant_kernel::{NodeId, SimTime};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, RobotLogError};
 use tempfile::TempDir;
 
+use crate::program;
+
 const STOPS: &str = "stop,t_s,x_m,y_m\nA,0,0,0\nB,1,1,0\nC,2,2,0\n";
 
-fn folder(stops: &str, receptions: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
-    std::fs::write(folder.path().join("receptions.csv"), receptions).unwrap();
-    folder
+pub(super) fn folder(stops: &str, receptions: &str) -> TempDir {
+    program::folder(&[("stops.csv", stops), ("receptions.csv", receptions)])
 }
 
 fn try_read(stops: &str, receptions: &str) -> Result<RobotLog, RobotLogError> {

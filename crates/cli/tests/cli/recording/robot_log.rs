@@ -9,17 +9,11 @@ use sextant_logs::{self as robot_log, ReadOptions, RobotLogError};
 use sextant_mapper::{Concern, CoordinateFrame, Estimate, TopologyMap};
 use tempfile::TempDir;
 
+use super::receptions::folder;
 use super::sample;
 
 const STOPS: &str = "stop,t_s,x_m,y_m,z_m\nA,0,0,0,0\nB,1.5,1,0,0\n";
 const RECEPTIONS: &str = "node,stop,received,sent\nlamp,A,2,5\n";
-
-fn folder(stops: &str, receptions: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
-    std::fs::write(folder.path().join("receptions.csv"), receptions).unwrap();
-    folder
-}
 
 fn read(stops: &str, receptions: &str) -> ReceptionLog {
     robot_log::read(folder(stops, receptions).path(), &ReadOptions::default()).unwrap().log
@@ -76,8 +70,7 @@ fn files_with_byte_order_mark_crlf_and_another_order_of_columns_are_read() {
     assert_eq!(log.names(), ["a, \"b\"", "\u{e9}"]);
     assert_eq!(log.stops()[0].position, Position::new(1.0, 2.0, 0.0));
     assert_eq!(log.stops()[1].time, SimTime::from_nanos(1_000_000_000));
-    let heard =
-        Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
+    let heard = Reception::heard(NodeId(0), 1, 1, 1);
     assert_eq!(log.of(NodeId(0)), [heard]);
 }
 

@@ -123,7 +123,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.leg(at(5), None, "surveyor", 1, [corners[0], corners[1]])?;
     recorder.way(at(6), None, "surveyor", &corners)?;
     recorder.way(at(6), Some("search"), "agent", &corners)?;
-    let stop = Stop { robot: RobotId(0), time: at(6), position: corners[0], heading_rad: None };
+    let stop = Stop { time: at(6), ..Stop::at(corners[0]) };
     recorder.listening(None, "surveyor", &stop, at(1_000_000_008), &corners[1..])?;
     recorder.estimated_place(at(6), "search", "agent", "own_place", corners[1], None)?;
     recorder.metric(at(7), "path_length_m", 12.5)?;

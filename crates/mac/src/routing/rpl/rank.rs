@@ -19,12 +19,6 @@ impl Rank {
     pub fn plus(self, increase: u32) -> Self {
         Self(u16::try_from(u32::from(self.0).saturating_add(increase)).unwrap_or(u16::MAX))
     }
-
-    /// DAGRank (RFC 6550, 3.5.1): the whole number of least increases in it.
-    #[must_use]
-    pub fn dag_rank(self, min_hop_rank_increase: u16) -> u16 {
-        self.0 / min_hop_rank_increase.max(1)
-    }
 }
 
 #[cfg(test)]
@@ -32,9 +26,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rank_grows_up_to_infinity_and_counts_least_increases() {
+    fn a_rank_grows_up_to_infinity() {
         assert_eq!(Rank(256).plus(256), Rank(512));
         assert_eq!((Rank(65_000).plus(600), Rank::INFINITE.plus(1)), (Rank::INFINITE, Rank::INFINITE));
-        assert_eq!([256, 767, 768].map(|rank| Rank(rank).dag_rank(256)), [1, 2, 3]);
     }
 }

@@ -14,7 +14,7 @@ pub(super) use self::gain::GainOfLaw;
 use self::heavy_tailed::{HeavyTailed, together};
 pub use self::learnt::OpinionConstants;
 use crate::comparators::strengths::{peak, strongest_place};
-use crate::comparators::{GaussianProcess, PacketCentroid, StrongestStop};
+use crate::comparators::{Comparator, GaussianProcess, PacketCentroid, StrongestStop};
 use crate::log_facts::strengths::strengths;
 use crate::posterior::Estimate;
 use crate::topology_map::TopologyMap;

@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Reception, ReceptionLog, Wedge};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
@@ -18,9 +16,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Angulation as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct AngleOfArrivalConfig {}
 
 /// A node is where the middles of the sectors cross in which it was received, by [`angulate`]: the maximum of the likelihood of normal
@@ -129,7 +126,6 @@ impl EstimatorSettings for AngleOfArrivalConfig {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{EvenSectorsConfig, Position, SectorConfig, SectorTable, Stop};
-    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
     use crate::algorithm::AlgorithmConfig;
@@ -139,10 +135,8 @@ mod tests {
         let layout =
             EvenSectorsConfig { azimuth_sectors: 16, first_azimuth_deg: 0.0, elevations_deg: vec![[-90.0, 90.0]] };
         let stop = |i: u32| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(f64::from(2 * (i % 10)), f64::from(2 * (i / 10)), 0.5),
             heading_rad: turn_rad.map(|turn_rad| turn_rad * f64::from(i)),
+            ..Stop::at(Position::new(f64::from(2 * (i % 10)), f64::from(2 * (i / 10)), 0.5))
         };
         let stops: Vec<Stop> = (0..100).map(stop).collect();
         let table = SectorTable::try_from(layout).unwrap();
@@ -157,13 +151,8 @@ mod tests {
                 let turn_rad = at.heading_rad.unwrap_or(0.0);
                 let sector = table.iter().find(|sector| has(sector, place - at.position, turn_rad));
                 receptions.push(Reception {
-                    node: NodeId::from_index(node),
-                    stop,
-                    received: 1,
-                    sent: 1,
                     sector: sector.map(|sector| sector.sector),
-                    rssi_dbm: None,
-                    snr_db: None,
+                    ..Reception::heard(NodeId::from_index(node), stop, 1, 1)
                 });
             }
         }

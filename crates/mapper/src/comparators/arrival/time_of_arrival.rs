@@ -1,30 +1,25 @@
 //! Lateration: a node is where its distances, or their differences, say.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SettingError, Watch};
 
 use crate::comparators::lateration::{LaterationError, Range, locate_by_differences, multilaterate};
-use crate::comparators::node_by_node;
+use crate::comparators::{Comparator, node_by_node};
 use crate::error::MapError;
-use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Lateration as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct TimeOfArrivalConfig {}
 
 /// Lateration by differences as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct TimeDifferenceConfig {}
 
 /// A node is where its measured ranges fit best by least squares, by [`multilaterate`]: the maximum of the likelihood of normal errors.
@@ -69,26 +64,15 @@ fn map_by_ranges(
 /// An estimator by measured ranges.
 macro_rules! by_ranges {
     ($estimator:ident, $config:ident, $name:literal, $rank:literal, $locate:path, $description:literal) => {
-        impl $estimator {
-            /// The algorithm's name in tables and topics.
-            pub const NAME: &'static str = $name;
-        }
-
-        impl Estimator for $estimator {
-            fn name(&self) -> &'static str {
-                Self::NAME
-            }
+        impl Comparator for $estimator {
+            const NAME: &'static str = $name;
 
             fn uses(&self) -> &'static [KnowledgeKind] {
                 &[KnowledgeKind::RobotRanges]
             }
 
-            fn estimate(
-                &self,
-                knowledge: &Knowledge<'_>,
-                watch: &dyn Watch,
-            ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-                map_by_ranges(Self::NAME, $locate, knowledge, watch).map(|map| (map, None))
+            fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+                map_by_ranges(Self::NAME, $locate, knowledge, watch)
             }
         }
 
@@ -122,8 +106,8 @@ by_ranges!(
 
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Mounting, RangeSample, ReceptionLog, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_channel::{RangeSample, ReceptionLog, Stop};
+    use sextant_kernel::SimTime;
 
     use super::*;
 
@@ -135,15 +119,10 @@ mod tests {
             Position::new(x_m, y_m, 0.4 + up_m * f64::from(i % 3))
         };
         let sample = |i: u32| RangeSample {
-            mounting: Mounting::default(),
-            node: NodeId(0),
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i)),
-            position: position(i),
-            velocity: Position::ORIGIN,
-            range_m: position(i).distance_m(node) + longer_m,
+            ..RangeSample::of(NodeId(0), position(i), position(i).distance_m(node) + longer_m)
         };
-        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: position(0), heading_rad: None };
+        let stop = Stop::at(position(0));
         let log = ReceptionLog::new(vec!["n0".into(), "unheard".into()], vec![stop], vec![], vec![]).unwrap();
         log.with_ranges((0..30).map(sample).collect()).unwrap()
     }

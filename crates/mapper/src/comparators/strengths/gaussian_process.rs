@@ -2,16 +2,14 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::maths::{cholesky, exp_each};
 use sextant_kernel::{SettingError, Watch, Work};
 
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
@@ -21,9 +19,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The Gaussian process as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct GaussianProcessConfig {}
 
 /// A Gaussian process with a constant mean and a squared-exponential kernel over the strengths of a node (Ferris, Hähnel and
@@ -46,19 +43,23 @@ const GRIDS: u32 = 3;
 /// Grid steps over the reach, for the judgement whether stops are level.
 const STEPS_PER_REACH: f64 = 60.0;
 
-impl GaussianProcess {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "gaussian-process";
+impl Comparator for GaussianProcess {
+    const NAME: &'static str = "gaussian-process";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotRssi]
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
+    }
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.
     ///
     /// # Errors
     /// [`MapError::Missing`] if the log has no strengths; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let log = knowledge.log;
         let nodes = all_strengths(Self::NAME, log)?;
         let reach_m = reach_m(log, &heard_nodes(log));
@@ -258,32 +259,6 @@ impl StrengthCorrelations {
 fn exponent(a: Position, b: Position, length_m: f64) -> f64 {
     let apart = a - b;
     -0.5 * apart.dot(apart) / (length_m * length_m)
-}
-
-impl Estimator for GaussianProcess {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn axes(&self) -> Axes {
-        Axes::Survey
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for GaussianProcessConfig {

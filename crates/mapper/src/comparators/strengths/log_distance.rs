@@ -5,17 +5,15 @@ use std::convert::Infallible;
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::maths::ln_each;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
+use crate::comparators::Comparator;
 use crate::error::MapError;
-use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, reach_m};
@@ -29,9 +27,8 @@ use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct LogDistanceConfig {
     /// Lowest and highest path-loss exponent of a node: above 0, at most 10.
     pub exponents: [f64; 2],
@@ -87,19 +84,23 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
     }
 }
 
-impl LogDistance {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "least-squares";
+impl Comparator for LogDistance {
+    const NAME: &'static str = "least-squares";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotRssi]
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::Survey
+    }
 
     /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
     /// threads.
     ///
     /// # Errors
     /// [`MapError::Missing`] if the log has no strengths; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let log = knowledge.log;
         let nodes = all_strengths(Self::NAME, log)?;
         let mut map = TopologyMap::of_places(Self::NAME, vec![None; nodes.len()], CoordinateFrame::World);
@@ -136,7 +137,9 @@ impl LogDistance {
         }
         Ok(map)
     }
+}
 
+impl LogDistance {
     /// The place of a node in its box, and why it is not reliable; `None` without strengths.
     fn place(&self, strengths: &[Strength], within: &SearchBox) -> Option<(Position, Option<Concern>)> {
         let middle = centroid(strengths, DEFAULT_G)?;
@@ -309,32 +312,6 @@ impl LeastSquares for LogDistanceFit<'_> {
 
     fn is_last(&self, at: &Position, step: &Vector3<f64>, _: bool) -> bool {
         self.moved(at, step).distance_m(*at) <= SMALL_M
-    }
-}
-
-impl Estimator for LogDistance {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn axes(&self) -> Axes {
-        Axes::Survey
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
     }
 }
 

@@ -15,7 +15,7 @@ pub use strongest_stop::{StrongestStop, StrongestStopConfig};
 #[cfg(test)]
 mod tests {
     use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-    use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
+    use sextant_kernel::{NodeId, Unwatched};
 
     use super::*;
     use crate::algorithm::AlgorithmConfig;
@@ -25,17 +25,12 @@ mod tests {
 
     /// The log of nodes that stops at `places` received with these strengths (dBm).
     pub(super) fn log_of(places: &[Position], nodes: &[&dyn Fn(Position) -> Option<f64>]) -> ReceptionLog {
-        let stop = |position: &Position| Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: *position,
-            heading_rad: None,
-        };
+        let stop = |position: &Position| Stop::at(*position);
         let receptions = nodes.iter().enumerate().flat_map(|(node, law)| {
             (0..).zip(places).filter_map(move |(stop, place)| {
                 let rssi_dbm = Some(law(*place)?);
                 let node = NodeId::from_index(node);
-                Some(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm, snr_db: None })
+                Some(Reception { rssi_dbm, ..Reception::heard(node, stop, 1, 1) })
             })
         });
         let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();

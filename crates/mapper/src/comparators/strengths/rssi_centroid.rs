@@ -1,23 +1,20 @@
 //! Centroids of the stops that received a node, weighted by signal strength.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
+use crate::comparators::Comparator;
 use crate::comparators::{node_by_node, weight_power};
 use crate::error::MapError;
-use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The RSSI centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields, default))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RssiCentroidConfig {
     /// Each stop weighs the power that it received, in milliwatts, to this power g: above 0, at most 100. With a path-loss
     /// exponent n, the weight is the distance to the power −n g.
@@ -41,18 +38,18 @@ pub struct RssiCentroid {
     g: f64,
 }
 
-impl RssiCentroid {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "rssi-centroid";
+impl Comparator for RssiCentroid {
+    const NAME: &'static str = "rssi-centroid";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotRssi]
+    }
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///
     /// # Errors
     /// [`MapError::Missing`] if the log has no strengths; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let nodes = all_strengths(Self::NAME, knowledge.log)?;
         let operations = 20.0 * knowledge.log.stops().len() as f64;
         let places = node_by_node(Self::NAME, nodes.len(), operations, watch, |node| centroid(&nodes[node], self.g))?;
@@ -78,28 +75,6 @@ impl TryFrom<RssiCentroidConfig> for RssiCentroid {
 
     fn try_from(RssiCentroidConfig { g }: RssiCentroidConfig) -> Result<Self, SettingError> {
         Ok(Self { g: weight_power("g", g)? })
-    }
-}
-
-impl Estimator for RssiCentroid {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
     }
 }
 

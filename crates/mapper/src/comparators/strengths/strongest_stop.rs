@@ -1,23 +1,20 @@
 //! The stop that received a node with the greatest strength.
 
-#[cfg(feature = "config")]
-use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
+use crate::comparators::Comparator;
 use crate::comparators::node_by_node;
 use crate::error::MapError;
-use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper, Messages};
+use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::learned::EstimatorFindings;
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// The strongest stop as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct StrongestStopConfig {}
 
 /// A node is where its mean strength is greatest: the nearest neighbour in signal space of a survey without
@@ -29,18 +26,18 @@ pub struct StrongestStop;
 /// Strengths that differ by less are equal (dB).
 const EQUAL_DB: f64 = 1e-9;
 
-impl StrongestStop {
-    /// The algorithm's name in tables and topics.
-    pub const NAME: &'static str = "strongest-stop";
+impl Comparator for StrongestStop {
+    const NAME: &'static str = "strongest-stop";
 
-    /// The kinds of knowledge that it uses.
-    pub(crate) const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotRssi]
+    }
 
     /// The map. Nodes that were never heard with a strength are not placed.
     ///
     /// # Errors
     /// [`MapError::Missing`] if the log has no strengths; [`MapError::Interrupted`].
-    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+    fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let nodes = all_strengths(Self::NAME, knowledge.log)?;
         let stops = knowledge.log.stops().len() as f64;
         let places = node_by_node(Self::NAME, nodes.len(), stops, watch, |node| strongest_place(&nodes[node]))?;
@@ -57,28 +54,6 @@ pub(crate) fn strongest_place(strengths: &[Strength]) -> Option<Position> {
         count += 1.0;
     }
     Some(sum * (1.0 / count))
-}
-
-impl Estimator for StrongestStop {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn uses(&self) -> &'static [KnowledgeKind] {
-        Self::USES
-    }
-
-    fn messages(&self) -> Messages {
-        Messages::Unknown
-    }
-
-    fn estimate(
-        &self,
-        knowledge: &Knowledge<'_>,
-        watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge, watch).map(|map| (map, None))
-    }
 }
 
 impl EstimatorSettings for StrongestStopConfig {

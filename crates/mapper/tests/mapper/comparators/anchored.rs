@@ -3,8 +3,8 @@
 use sextant_channel::Position;
 use sextant_kernel::Unwatched;
 use sextant_mapper::{
-    Apit, ApitConfig, Centroid, MapError, RangingConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights,
-    WeightedCentroid, WeightedCentroidConfig,
+    Apit, ApitConfig, Centroid, Comparator, MapError, RangingConfig, TriangleCentroid, TriangleCentroidConfig,
+    TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 
 use super::network::{Network, RANGING, lattice, mean_error_m};

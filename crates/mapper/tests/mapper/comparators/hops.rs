@@ -4,7 +4,7 @@ use sextant_channel::Position;
 use sextant_kernel::Unwatched;
 use sextant_mapper::lateration::{Range, multilaterate};
 use sextant_mapper::{
-    AxesConfig, CoordinateFrame, CountConfig, DvHop, DvHopConfig, ExtremeConfig, FrameConfig, HopLength,
+    AxesConfig, Comparator, CoordinateFrame, CountConfig, DvHop, DvHopConfig, ExtremeConfig, FrameConfig, HopLength,
     LandmarksConfig, MapError, MdsMap, MdsMapConfig, Tpm, TpmConfig, topology_preservation_error,
 };
 

@@ -1,7 +1,7 @@
 //! Networks without packet loss. There is no shadowing unless a test asks for it.
 
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed};
 use sextant_mapper::{Knowledge, RangingConfig};
 
 /// Path loss of the tests: −50 dBm at 1 m, exponent 2.7.
@@ -26,12 +26,7 @@ impl Network {
             .map(|i| Anchor { node: NodeId::from_index(i), position: places[i] })
             .collect();
         let names = (0..places.len()).map(|i| format!("n{i}")).collect();
-        let stops = vec![Stop {
-            robot: RobotId(0),
-            time: SimTime::ZERO,
-            position: Position::new(0.0, 0.0, places[0].z_m),
-            heading_rad: None,
-        }];
+        let stops = vec![Stop::at(Position::new(0.0, 0.0, places[0].z_m))];
         let log = ReceptionLog::new(names, stops, Vec::new(), Vec::new()).expect("a log");
         let neighbours = heard(&places, hop_m, sigma_db, 1, |_| true);
         let beacons = heard(&places, beacon_m, sigma_db, 2, |i| i % every == 0);

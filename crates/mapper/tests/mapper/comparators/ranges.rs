@@ -1,10 +1,10 @@
 //! Maps from signal strengths between nodes and along the robot's path.
 
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
+use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
-    EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl, RssMlConfig,
-    Smacof, SmacofConfig, rss_crlb_m,
+    Comparator, EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl,
+    RssMlConfig, Smacof, SmacofConfig, rss_crlb_m,
 };
 
 use super::network::{Network, RANGING, lattice, mean_error_m};
@@ -158,7 +158,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
 fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
     let stops: Vec<Stop> = (0..100)
         .map(|i| Position::new(f64::from(i % 10) * 1.5 - 2.0, f64::from(i / 10) * 1.5 - 2.0, 0.0))
-        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None })
+        .map(Stop::at)
         .collect();
     let mut receptions = Vec::new();
     for (i, node) in nodes.iter().enumerate() {
@@ -168,13 +168,8 @@ fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
             let rssi_dbm = -50.0 - 27.0 * distance_m.max(0.1).log10() + noise_db;
             if distance_m <= range_m && rssi_dbm >= -72.0 {
                 receptions.push(Reception {
-                    node: NodeId::from_index(i),
-                    stop,
-                    received: 1,
-                    sent: 1,
-                    sector: None,
                     rssi_dbm: Some(rssi_dbm),
-                    snr_db: None,
+                    ..Reception::heard(NodeId::from_index(i), stop, 1, 1)
                 });
             }
         }
@@ -258,16 +253,10 @@ fn the_grid_counts_the_vertices_that_are_equally_likely() {
     };
     let stops = [vertex(0.0, 0.0), vertex(8.0, 0.0)];
     let ties = |places: &[Position], estimate| {
-        let stop =
-            |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position, heading_rad: None };
+        let stop = |&position: &Position| Stop::at(position);
         let reception = |(stop, place): (u32, &Position)| Reception {
-            node: NodeId(0),
-            stop,
-            received: 1,
-            sent: 1,
-            sector: None,
             rssi_dbm: Some(-50.0 - 27.0 * vertex(3.0, 5.0).distance_m(*place).log10()),
-            snr_db: None,
+            ..Reception::heard(NodeId(0), stop, 1, 1)
         };
         let receptions = (0..).zip(places).map(reception).collect();
         let log = ReceptionLog::new(vec!["n".into()], places.iter().map(stop).collect(), receptions, Vec::new());

@@ -2,7 +2,9 @@
 
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
-use sextant_mapper::{DrMds, DrMdsConfig, MapError, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, RangingConfig};
+use sextant_mapper::{
+    Comparator, DrMds, DrMdsConfig, MapError, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, RangingConfig,
+};
 
 use super::network::{Network, RANGING, lattice, mean_error_m};
 

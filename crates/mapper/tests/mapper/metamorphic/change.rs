@@ -1,7 +1,7 @@
 //! Ways to write a log that leave what it says as it is.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 
 /// A way to write a log differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl Change {
         if self.is(Self::SilentFarStop) {
             let position = place(far(log));
             let time = SimTime::from_nanos(1_000_000_000 * stops.len() as u64);
-            stops.push(Stop { robot: RobotId(0), time, position, heading_rad: None });
+            stops.push(Stop { time, ..Stop::at(position) });
         }
         let mut names: Vec<String> = vec![String::new(); node_of.len()];
         for (number, name) in log.names().iter().enumerate() {
@@ -125,7 +125,7 @@ impl Change {
 
 fn silent(node: usize, stop: u32) -> Reception {
     let node = NodeId::from_index(node);
-    Reception { node, stop, received: 0, sent: 3, sector: None, rssi_dbm: None, snr_db: None }
+    Reception::heard(node, stop, 0, 3)
 }
 
 /// A place 20 extents away from the stops.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_mapper::TopologyMap;
 
 /// Ten packets of each node at each stop, with strengths; links have their own shadowing, and faint packets are lost.
@@ -21,21 +21,14 @@ fn log(nodes: &[Position], stops: &[Position]) -> ReceptionLog {
                 .filter(|&dbm| dbm > -84.0)
                 .collect();
             receptions.push(Reception {
-                node: NodeId(node),
-                stop,
-                received: u32::try_from(heard.len()).expect("few packets"),
-                sent: 10,
-                sector: None,
                 rssi_dbm: (!heard.is_empty()).then(|| heard.iter().sum::<f64>() / heard.len() as f64),
-                snr_db: None,
+                ..Reception::heard(NodeId(node), stop, u32::try_from(heard.len()).expect("few packets"), 10)
             });
         }
     }
     let stop = |(number, &position): (u64, &Position)| Stop {
-        robot: RobotId(0),
         time: SimTime::from_nanos(1_000_000_000 * number),
-        position,
-        heading_rad: None,
+        ..Stop::at(position)
     };
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, (0..).zip(stops).map(stop).collect(), receptions, Vec::new()).expect("a log")
@@ -126,7 +119,7 @@ fn of_files(folder: &Path) -> Option<ReceptionLog> {
         let position = Position::new(number(&row, "x_m")?, number(&row, "y_m")?, number(&row, "z_m").unwrap_or(0.0));
         number_of.insert(row["stop"].clone(), u32::try_from(stops.len()).ok()?);
         let time = SimTime::from_nanos(1_000_000_000 * stops.len() as u64);
-        stops.push(Stop { robot: RobotId(0), time, position, heading_rad: None });
+        stops.push(Stop { time, ..Stop::at(position) });
     }
     let mut names: Vec<String> = Vec::new();
     let mut receptions = Vec::new();
@@ -138,13 +131,13 @@ fn of_files(folder: &Path) -> Option<ReceptionLog> {
         let count = |key: &str| row.get(key).and_then(|text| text.parse::<u32>().ok());
         let received = count("received").unwrap_or(1);
         receptions.push(Reception {
-            node: NodeId::from_index(node),
-            stop: *number_of.get(&row["stop"])?,
-            received,
-            sent: count("sent").unwrap_or(received),
-            sector: None,
             rssi_dbm: number(&row, "rssi_dbm"),
-            snr_db: None,
+            ..Reception::heard(
+                NodeId::from_index(node),
+                *number_of.get(&row["stop"])?,
+                received,
+                count("sent").unwrap_or(received),
+            )
         });
     }
     ReceptionLog::new(names, stops, receptions, Vec::new()).ok()

@@ -153,9 +153,9 @@ mod tests {
     use std::path::Path;
 
     use sextant_channel::{
-        ListenerAntennaConfig, Mounting, Position, RangeSample, ReceptionLog, SectorGains, SectorReport, SectorTable,
+        ListenerAntennaConfig, Position, RangeSample, ReceptionLog, SectorGains, SectorReport, SectorTable,
     };
-    use sextant_kernel::{Files, RobotId, SimTime, Unwatched};
+    use sextant_kernel::{Files, SimTime, Unwatched};
 
     use super::*;
     use crate::Recorder;
@@ -175,10 +175,8 @@ mod tests {
     /// 40 stops, at each of which each of three nodes was heard; two of them report both sectors.
     fn log() -> ReceptionLog {
         let stop = |i: u32| Stop {
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
-            position: Position::new(f64::from(i), 0.0, 0.0),
-            heading_rad: None,
+            ..Stop::at(Position::new(f64::from(i), 0.0, 0.0))
         };
         let heard = |i: u32| Reception {
             node: NodeId(i % 3),
@@ -216,13 +214,9 @@ mod tests {
     fn ranges_are_read_back_equal_with_those_of_a_stop_that_is_cut_left_out() {
         let folder = tempfile::tempdir().unwrap();
         let range = |i: u32| RangeSample {
-            mounting: Mounting::default(),
-            node: NodeId(i % 3),
-            robot: RobotId(0),
             time: SimTime::from_nanos(u64::from(i) * 130_000_000),
-            position: Position::new(f64::from(i) / 7.0, 0.5, 1.0),
             velocity: Position::new(0.25, 0.0, -0.125),
-            range_m: f64::from(i) - 0.3,
+            ..RangeSample::of(NodeId(i % 3), Position::new(f64::from(i) / 7.0, 0.5, 1.0), f64::from(i) - 0.3)
         };
         let log = log().with_ranges((0..300).map(range).collect()).unwrap();
         for is_compact in [false, true] {

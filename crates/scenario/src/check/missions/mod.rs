@@ -22,23 +22,15 @@ fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, 
         errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(table));
     }
     let why = "because nodes must hear each other's messages at any time";
-    let error = match tables.mac.value {
+    let mac = tables.mac.value;
+    let error = match mac {
         MacConfig::SectorSweep(_) => return,
         MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
         MacConfig::CsmaUnslotted(_) => {
             SettingError::new("csma_unslotted.rx_on_when_idle", "false", format!("true, {why}"))
         }
-        MacConfig::BeaconEnabled(_) => {
-            SettingError::new("beacon_enabled", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
-        }
-        MacConfig::Program(_) => {
-            SettingError::new("program", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
-        }
-        MacConfig::Sleep(_) => {
-            SettingError::new("sleep", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
-        }
-        MacConfig::Tsch(_) => {
-            SettingError::new("tsch", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
+        MacConfig::BeaconEnabled(_) | MacConfig::Program(_) | MacConfig::Sleep(_) | MacConfig::Tsch(_) => {
+            SettingError::new(mac.key(), "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
         }
     };
     errors.refuse(&error.within(&tables.mac.key));

@@ -238,9 +238,7 @@ impl Surroundings<'_> {
         let technology = &networks[network.index()].technology;
         let medium = match technology {
             Technology::Ieee80211ad(links) => MissionMedium::Sectors(links, technology.antennas()?),
-            Technology::Ieee802154(_) | Technology::Programmed(_) | Technology::Tsch(_) | Technology::Sleeping(_) => {
-                MissionMedium::Messages(&technology.ieee802154()?.radio)
-            }
+            _ => MissionMedium::Messages(&technology.ieee802154()?.radio),
         };
         Some(MissionPlace {
             world,
@@ -259,12 +257,8 @@ impl Surroundings<'_> {
             return self.check_sectors(busy, table, errors);
         }
         if busy.technology.ieee802154().is_none() {
-            let with = match &busy.technology {
-                Technology::Programmed(_) => "`mac.program`",
-                Technology::Tsch(_) => "`mac.tsch`",
-                Technology::Sleeping(_) => "`mac.sleep`",
-                Technology::Ieee802154(_) | Technology::Ieee80211ad(_) => "sector sweeps",
-            };
+            let mac = self.networks.tables(network).mac.value;
+            let with = if mac.sweeps_sectors() { "sector sweeps".to_owned() } else { format!("`mac.{}`", mac.key()) };
             let found =
                 busy.name.as_ref().map_or(format!("one with {with}"), |name| format!("`{name}`, with {with}"));
             let allowed =
@@ -281,9 +275,7 @@ impl Surroundings<'_> {
         let found = match &network.technology {
             Technology::Ieee80211ad(_) if outside(network, self.nodes().len()) == 0 => return true,
             Technology::Ieee80211ad(_) => "one without some of the nodes",
-            Technology::Ieee802154(_) | Technology::Programmed(_) | Technology::Tsch(_) | Technology::Sleeping(_) => {
-                "one without sector sweeps"
-            }
+            _ => "one without sector sweeps",
         };
         let allowed = "a network of all nodes with `mac.sector_sweep`, whose beams follow";
         errors.refuse(&SettingError::new("network", found, allowed).within(table));

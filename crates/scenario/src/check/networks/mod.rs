@@ -74,11 +74,10 @@ impl<'a> Networks<'a> {
 
     /// The key of the channel access of the first network, in which nodes discover their neighbours, if that is one by which
     /// they send no hellos.
-    pub(crate) fn first_without_hellos(&self) -> Option<&'static str> {
-        match self.all.first()?.tables.mac.value {
-            MacConfig::Program(_) => Some("mac.program"),
-            MacConfig::Tsch(_) => Some("mac.tsch"),
-            MacConfig::Sleep(_) => Some("mac.sleep"),
+    pub(crate) fn first_without_hellos(&self) -> Option<String> {
+        let mac = self.all.first()?.tables.mac.value;
+        match mac {
+            MacConfig::Program(_) | MacConfig::Tsch(_) | MacConfig::Sleep(_) => Some(format!("mac.{}", mac.key())),
             MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) | MacConfig::SectorSweep(_) => None,
         }
     }

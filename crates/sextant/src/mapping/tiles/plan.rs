@@ -151,8 +151,7 @@ mod tests {
             for (dx, dy) in [(-8.0, 0.0), (8.0, 0.0), (0.0, -8.0), (0.0, 8.0)] {
                 let (x_m, y_m) = (f64::from(node % columns) * 10.0 + dx, f64::from(node / columns) * 10.0 + dy);
                 let node = NodeId(node);
-                let reception =
-                    Reception { node, stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
+                let reception = Reception::heard(node, 0, 1, 1);
                 census.count(&reception, Position::new(x_m, y_m, 0.0));
             }
         }

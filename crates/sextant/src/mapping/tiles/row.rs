@@ -61,8 +61,7 @@ mod tests {
 
     #[test]
     fn receptions_return_from_octets_as_they_were() {
-        let plain =
-            Reception { node: NodeId(7), stop: 9, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
+        let plain = Reception::heard(NodeId(7), 9, 1, 1);
         let all = [
             plain,
             Reception { received: 0, sent: 0, ..plain },

@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     fn heard(node: u32, stop: u32) -> Reception {
-        Reception { node: NodeId(node), stop, received: 1, sent: 2, sector: None, rssi_dbm: None, snr_db: None }
+        Reception::heard(NodeId(node), stop, 1, 2)
     }
 
     #[test]

@@ -71,6 +71,27 @@ pub struct Subjects {
 }
 
 impl Subjects {
+    /// A run that has everything, each of it by this name.
+    #[must_use]
+    pub fn every(name: &str) -> Self {
+        let names = || vec![name.to_owned()];
+        Self {
+            maps: names(),
+            by_nodes: names(),
+            applications: names(),
+            searches: names(),
+            keep_links: names(),
+            has_routing: true,
+            has_way_down: true,
+            has_rpl: true,
+            has_fragments: true,
+            has_slots: true,
+            has_negotiated_cells: true,
+            has_batteries: true,
+            has_sleep: true,
+        }
+    }
+
     /// Adds the names of others that are new, in their order.
     pub fn extend(&mut self, others: &Self) {
         let Self {
@@ -375,14 +396,7 @@ mod tests {
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
             keep_links: names(&["gradient"]),
-            has_routing: true,
-            has_way_down: true,
-            has_rpl: true,
-            has_fragments: true,
-            has_slots: true,
-            has_negotiated_cells: true,
-            has_batteries: true,
-            has_sleep: true,
+            ..Subjects::every("")
         };
         let measures = all(&subjects);
         for measure in &measures {

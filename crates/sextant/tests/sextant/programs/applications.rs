@@ -183,7 +183,7 @@ impl Application for Walker {
             .filter(|(_, packets)| **packets > 0)
             .map(|(node, packets)| {
                 let received = std::mem::take(packets);
-                Reception { node, stop: 0, received, sent: 4, sector: None, rssi_dbm: None, snr_db: None }
+                Reception::heard(node, 0, received, 4)
             })
             .collect();
         port.log_stop(NETWORK, self.since, port.pose().position, receptions);

@@ -62,6 +62,14 @@ pub struct PeriodicConfig {
     pub to: Option<String>,
 }
 
+impl PeriodicConfig {
+    /// Frames to all of this length (octets), with this mean time between two (s) and this jitter.
+    #[must_use]
+    pub const fn each(mpdu_octets: u8, interval_s: f64, jitter: f64) -> Self {
+        Self { mpdu_octets, interval_s, jitter, acknowledged: false, to: None }
+    }
+}
+
 /// One frame per node, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

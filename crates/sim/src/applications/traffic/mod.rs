@@ -195,8 +195,7 @@ fn poisson_arrival(seed: Seed, node: NodeId, mean_interval_s: f64, last: SimTime
 mod tests {
     use super::*;
 
-    const PERIODIC: PeriodicConfig =
-        PeriodicConfig { mpdu_octets: 20, interval_s: 1.0, jitter: 0.1, acknowledged: false, to: None };
+    const PERIODIC: PeriodicConfig = PeriodicConfig::each(20, 1.0, 0.1);
 
     fn traffic(config: TrafficConfig) -> Traffic {
         Traffic::try_from(config).expect("good settings")

@@ -101,8 +101,7 @@ mod tests {
     use super::*;
 
     fn kinds() -> Vec<Traffic> {
-        let periodic =
-            PeriodicConfig { mpdu_octets: 20, interval_s: 0.7, jitter: 0.5, acknowledged: false, to: None };
+        let periodic = PeriodicConfig::each(20, 0.7, 0.5);
         let poisson = PoissonConfig { mpdu_octets: 20, rate_per_s: 3.0, acknowledged: false, to: None };
         let once = OnceConfig { mpdu_octets: 20, at_s: 40.0, acknowledged: false, to: None };
         [TrafficConfig::Periodic(periodic), TrafficConfig::Poisson(poisson), TrafficConfig::Once(once)]

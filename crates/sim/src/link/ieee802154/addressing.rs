@@ -6,7 +6,7 @@ use sextant_mac::frame::DataFrame;
 use crate::link::radio_settings::FrameSize;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
-use crate::service::report::{Payload, SendError};
+use crate::service::report::{Destination, Payload, SendError};
 
 /// PAN of the first network; the others follow.
 const FIRST_PAN: u16 = 0x5E87;
@@ -20,6 +20,14 @@ pub(in crate::link) fn pan(network: NetworkId) -> u16 {
 pub(in crate::link) fn first_sequence(scene_seed: Seed, station: StationId, network: NetworkId) -> u8 {
     let place = [station.0.into(), network.0.into(), 0];
     scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
+}
+
+/// The header of the data frames of a station to others of its PAN.
+pub(in crate::link) fn header(pan: u16, station: StationId, to: Destination) -> DataFrame {
+    match to {
+        Destination::All => DataFrame::broadcast(pan, station),
+        Destination::Station(to) => DataFrame::unicast(pan, station, to),
+    }
 }
 
 /// Size of the frame to all that carries a payload of this size (octets).
@@ -54,9 +62,6 @@ pub(in crate::link) fn offered_octets(frame: &DataFrame, payload: Payload<'_>) -
 pub(in crate::link) fn check_frame(frame: FrameSize) -> Result<(), SettingError> {
     let FrameSize { network, from, mpdu_octets, acknowledged } = frame;
     let pan = pan(network);
-    let header = match acknowledged {
-        true => DataFrame::unicast(pan, from, from),
-        false => DataFrame::broadcast(pan, from),
-    };
-    header.filler(mpdu_octets).map(|_| ())
+    let to = if acknowledged { Destination::Station(from) } else { Destination::All };
+    header(pan, from, to).filler(mpdu_octets).map(|_| ())
 }

@@ -22,25 +22,17 @@ impl TryFrom<MacConfig> for Mac {
     type Error = SettingError;
 
     fn try_from(config: MacConfig) -> Result<Self, SettingError> {
-        match config {
-            MacConfig::CsmaUnslotted(csma) => {
-                CsmaSettings::try_from(csma).map(Self::CsmaUnslotted).map_err(|error| error.within("csma_unslotted"))
+        let key = config.key();
+        let own = match config {
+            MacConfig::CsmaUnslotted(csma) => CsmaSettings::try_from(csma).map(Self::CsmaUnslotted),
+            MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons).map(Self::BeaconEnabled),
+            MacConfig::Program(_) | MacConfig::SectorSweep(_) | MacConfig::Tsch(_) | MacConfig::Sleep(_) => {
+                let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
+                return Err(SettingError::new(key, "set for IEEE 802.15.4", allowed));
             }
-            MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
-                .map(Self::BeaconEnabled)
-                .map_err(|error| error.within("beacon_enabled")),
-            MacConfig::Program(_) => Err(other_technology("program")),
-            MacConfig::SectorSweep(_) => Err(other_technology("sector_sweep")),
-            MacConfig::Tsch(_) => Err(other_technology("tsch")),
-            MacConfig::Sleep(_) => Err(other_technology("sleep")),
-        }
+        };
+        own.map_err(|error| error.within(key))
     }
-}
-
-/// The error of a table for another technology.
-fn other_technology(key: &str) -> SettingError {
-    let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
-    SettingError::new(key, "set for IEEE 802.15.4", allowed)
 }
 
 impl Mac {

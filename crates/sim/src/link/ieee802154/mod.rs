@@ -11,7 +11,7 @@ mod spectrum;
 mod stack;
 mod transceiver;
 
-pub(super) use addressing::{check_frame, first_sequence, offered_octets, pan};
+pub(super) use addressing::{check_frame, first_sequence, header, offered_octets, pan};
 pub(super) use links::Links;
 pub use mac::Mac;
 pub(super) use radio::Levels;

@@ -11,6 +11,7 @@ use sextant_mac::{Phy, RadioState};
 use super::Links;
 use super::packet::{Outgoing, RadioFrame};
 use super::stack::{Acknowledging, Hearing};
+use crate::link::ieee802154::header;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::Deafness;
@@ -101,7 +102,7 @@ impl Links {
         if acknowledged && to == Destination::All {
             return Err(RadioError::AcknowledgedByAll);
         }
-        let octets = Self::mpdu_octets(&self.header(station, to), payload.len())?;
+        let octets = Self::mpdu_octets(&header(self.pan, station, to), payload.len())?;
         let airtime = self.phy().airtime(octets);
         let stack = &self.stacks[station.index()];
         let sequence = match packet {

@@ -8,7 +8,6 @@ use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{NodeId, SimTime, StationId};
-use sextant_mac::frame::DataFrame;
 use sextant_mac::program::{self, News, ProgramRadio, Rest, Timers, Whole};
 use sextant_mac::{Phy, RadioState};
 
@@ -88,14 +87,6 @@ impl Links {
             told: Vec::new(),
             mpdu: Vec::with_capacity(127),
             payload: 0..0,
-        }
-    }
-
-    /// The header of the frames of a station.
-    pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
         }
     }
 

@@ -7,17 +7,9 @@ use super::*;
 
 /// A box of 4 by 6 m around the origin, called `shed`.
 fn shed() -> ObstacleField {
-    let shape = BoxConfig { center_m: Position::ORIGIN, size_m: [4.0, 6.0, 3.0], yaw_deg: 0.0 };
+    let shape = BoxConfig::new(Position::ORIGIN, [4.0, 6.0, 3.0]);
     let shape = ShapeConfig::Box(shape);
-    let config = ObstacleConfig {
-        name: Some("shed".into()),
-        shape,
-        material: None,
-        absorption_per_m: Some(1.0),
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let config = ObstacleConfig { name: Some("shed".into()), ..ObstacleConfig::absorbing(shape, 1.0) };
     ObstacleField::new(vec![Obstacle::try_from(config).unwrap()])
 }
 

@@ -67,13 +67,7 @@ fn the_energy_of_packets_that_are_not_simulated_is_that_of_their_own_length() {
     let group = |name: &str, nodes: NodesOfGroup, mpdu_octets| GroupConfig {
         name: name.into(),
         nodes,
-        traffic: Box::new(TrafficConfig::Periodic(PeriodicConfig {
-            mpdu_octets,
-            interval_s: 0.5,
-            jitter: 0.1,
-            acknowledged: false,
-            to: None,
-        })),
+        traffic: Box::new(TrafficConfig::Periodic(PeriodicConfig::each(mpdu_octets, 0.5, 0.1))),
     };
     let setup = || {
         let near = NodesOfGroup::Names((0..49).map(|node| format!("n{node}")).collect());
@@ -139,13 +133,13 @@ proptest! {
         let places: Vec<Position> = places.into_iter().map(at).collect();
         let to = None;
         let traffic = match kind {
-            0 => TrafficConfig::Periodic(PeriodicConfig { mpdu_octets: 40, interval_s: 0.4, jitter: 0.2, acknowledged, to }),
+            0 => TrafficConfig::Periodic(PeriodicConfig { acknowledged, to, ..PeriodicConfig::each(40, 0.4, 0.2) }),
             1 => TrafficConfig::Poisson(PoissonConfig { mpdu_octets: 20, rate_per_s: 5.0, acknowledged, to }),
             2 => TrafficConfig::Once(OnceConfig { mpdu_octets: 90, at_s: 0.5, acknowledged, to }),
             3 => {
                 TrafficConfig::Saturated(SaturatedConfig { mpdu_octets: 100, acknowledged, to, start_spread_s: 0.01 })
             }
-            _ => TrafficConfig::Beacon(PeriodicConfig { mpdu_octets: 127, interval_s: 1.0, jitter: 0.0, acknowledged, to }),
+            _ => TrafficConfig::Beacon(PeriodicConfig { acknowledged, to, ..PeriodicConfig::each(127, 1.0, 0.0) }),
         };
         let setup = |seed| {
             let stops = vec![Position::new(3.0, 0.0, 0.0), Position::new(9.0, 2.0, 0.0)];
@@ -185,7 +179,7 @@ proptest! {
             true => TrafficConfig::Poisson(PoissonConfig { mpdu_octets, rate_per_s, acknowledged, to }),
             false => {
                 let (interval_s, jitter) = (1.0 / rate_per_s, 0.3);
-                TrafficConfig::Periodic(PeriodicConfig { mpdu_octets, interval_s, jitter, acknowledged, to })
+                TrafficConfig::Periodic(PeriodicConfig { acknowledged, to, ..PeriodicConfig::each(mpdu_octets, interval_s, jitter) })
             }
         };
         let stops = vec![Position::new(0.0, 0.0, 0.0), Position::new(40.0, 10.0, 0.0)];

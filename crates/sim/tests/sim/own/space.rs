@@ -135,15 +135,8 @@ fn a_robot_flies_a_helix_of_short_drives() {
 /// A ceiling from 5 m to 6 m above the ground.
 fn ceiling() -> Obstacle {
     let shape = BoxConfig { center_m: Position::new(0.0, 0.0, 5.5), size_m: [40.0, 40.0, 1.0], yaw_deg: 30.0 };
-    let config = ObstacleConfig {
-        name: Some("ceiling".into()),
-        shape: ShapeConfig::Box(shape),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let config =
+        ObstacleConfig { name: Some("ceiling".into()), ..ObstacleConfig::of(ShapeConfig::Box(shape), "concrete") };
     Obstacle::read(config, &Files::default()).expect("a good ceiling")
 }
 

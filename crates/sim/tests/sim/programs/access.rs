@@ -8,12 +8,13 @@ use sextant_mac::Phy;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::program::ProgramConfig;
 use sextant_sim::{
-    Application, Destination, FrameId, FrameOnAir, Network, NetworkId, Observer, Payload, Port, RadioEvent,
-    RadioFrame, SendOutcome, SendReport, Setup, Sink, Timer,
+    Application, Destination, FrameId, Network, NetworkId, Payload, Port, RadioEvent, RadioFrame, SendOutcome,
+    SendReport, Setup, Sink, Timer,
 };
 
 use super::NETWORK;
 use crate::network;
+use crate::on_air::Frames;
 
 const PHY: Phy = Phy::Oqpsk2450;
 
@@ -122,21 +123,7 @@ impl Application for Sender {
     }
 }
 
-/// The frames on air: start, sender, and whether the sink received it.
-#[derive(Default, Debug, PartialEq)]
-struct Frames(Vec<(u64, StationId, bool)>);
-
-impl Observer for Frames {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push((frame.start.as_nanos(), frame.source, !frame.heard.is_empty()));
-    }
-}
-
-fn run(nodes: usize, octets: usize, frames: u32, seed: u64, access: Access) -> (Frames, u32) {
+fn run(nodes: usize, octets: usize, frames: u32, seed: u64, access: Access) -> (Vec<(u64, StationId, bool)>, u32) {
     let link: Network = match access {
         Access::Program => super::link(ProgramConfig::default()),
         Access::Simulator => {
@@ -152,11 +139,11 @@ fn run(nodes: usize, octets: usize, frames: u32, seed: u64, access: Access) -> (
         ..network::engine(&network::cluster(nodes), link, seed)
     };
     let senders = (0..nodes).map(|_| Sender::new(octets, frames, access)).collect();
-    let mut seen = Frames::default();
+    let mut seen = Frames::kept(|frame| (frame.start.as_nanos(), frame.source, !frame.heard.is_empty()));
     let stations = sextant_sim::Applications::of_nodes(senders);
     let simulation = sextant_sim::Simulation::with(setup, stations).expect("good settings");
     let (_, stations) = simulation.run_own(&mut seen);
-    (seen, stations.nodes.iter().map(|sender| sender.failures).sum())
+    (seen.0, stations.nodes.iter().map(|sender| sender.failures).sum())
 }
 
 #[test]
@@ -166,8 +153,8 @@ fn csma_ca_as_a_program_sends_the_same_frames_at_the_same_instants() {
         for seed in 0..8 {
             let program = run(nodes, octets, 6, seed, Access::Program);
             assert_eq!(program, run(nodes, octets, 6, seed, Access::Simulator), "{nodes} {octets} {seed}");
-            frames += program.0.0.len();
-            collisions += program.0.0.iter().filter(|(_, _, is_received)| !is_received).count();
+            frames += program.0.len();
+            collisions += program.0.iter().filter(|(_, _, is_received)| !is_received).count();
             failures += program.1;
         }
     }
@@ -180,7 +167,7 @@ fn two_programs_of_csma_ca_collide_in_one_of_eight_rounds() {
     // together. Four deviations: a false alarm in 16 000 runs.
     let exact = 7_339_941.0 / 8_388_608.0;
     let rounds = 3000;
-    let received = |seed| run(2, 33, 1, seed, Access::Program).0.0.iter().filter(|frame| frame.2).count();
+    let received = |seed| run(2, 33, 1, seed, Access::Program).0.iter().filter(|frame| frame.2).count();
     let all: usize = (0..rounds).map(received).sum();
     let found = all as f64 / (2.0 * rounds as f64);
     let deviation = (exact * (1.0_f64 - exact) / rounds as f64).sqrt();

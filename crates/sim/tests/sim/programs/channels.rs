@@ -2,10 +2,10 @@
 
 use sextant_channel::Dbm;
 use sextant_mac::program::ProgramConfig;
-use sextant_sim::{FrameOnAir, Observer};
 
 use super::{Script, Step, log, script, to_all, us};
 use crate::network;
+use crate::on_air::Frames;
 
 fn run(places_m: &[f64], scripts: Vec<Script>) -> Vec<Script> {
     let setup = super::setup(places_m, ProgramConfig { channels: vec![15, 26], wake_up_us: Some(500.0) });
@@ -50,20 +50,6 @@ fn a_radio_hears_its_own_channel_alone() {
     assert_eq!(log(&stations[3]), both);
 }
 
-/// Keeps the channels of frames.
-#[derive(Default)]
-struct Channels(Vec<Option<u8>>);
-
-impl Observer for Channels {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push(frame.channel);
-    }
-}
-
 #[test]
 fn an_observer_is_told_the_channel_of_a_frame() {
     let sender = script(&[
@@ -72,7 +58,7 @@ fn an_observer_is_told_the_channel_of_a_frame() {
         (4000, |radio| radio.transmit(to_all(b"two")).map(drop)),
     ]);
     let setup = super::setup(&[0.0], ProgramConfig { channels: vec![15, 26], wake_up_us: None });
-    let mut channels = Channels::default();
+    let mut channels = Frames::kept(|frame| frame.channel);
     network::run_watched(setup, vec![sender], &mut channels);
     assert_eq!(channels.0, [Some(11), Some(15)]);
 }

@@ -157,14 +157,10 @@ fn a_target_flees_from_the_true_place_of_a_robot() {
         let world = World { targets: vec![target(&config, &none)], ..World::default() };
         let body = RobotBody { odometry, speed_m_per_s: 1.0, ..network::body("chaser", Position::ORIGIN) };
         let setup = Setup {
-            world,
             robots: network::own_robots([body]),
-            sinks: Vec::new(),
-            networks: vec![network::link(1.0, network::prompt())],
             duration: Some(Duration::from_secs(60)),
             faults: Default::default(),
-            batteries: None,
-            seed: Seed(1),
+            ..Setup::of(world, network::link(1.0, network::prompt()), Seed(1))
         };
         let mut notebook = Notebook::default();
         network::run_watched(setup, vec![Straight], &mut notebook);

@@ -176,16 +176,8 @@ fn impossible_visits_are_refused_with_their_key() {
     assert_eq!(key(WanderConfig { straight, duration_s: 1e3, ..thesis() }), "motion.wander.straight");
     assert_eq!(key(WanderConfig { speed_m_per_s: 0.0, ..thesis() }), "motion.wander.speed_m_per_s");
     // An exit behind a wall with no way around it that is inside the region.
-    let wall = BoxConfig { center_m: Position::new(25.0, 15.0, 0.0), size_m: [100.0, 1.0, 4.0], yaw_deg: 0.0 };
-    let wall = ObstacleConfig {
-        name: None,
-        shape: ShapeConfig::Box(wall),
-        material: Some("concrete".into()),
-        absorption_per_m: None,
-        loss_db: None,
-        solid: true,
-        reflection_loss_db: None,
-    };
+    let wall = BoxConfig::new(Position::new(25.0, 15.0, 0.0), [100.0, 1.0, 4.0]);
+    let wall = ObstacleConfig::of(ShapeConfig::Box(wall), "concrete");
     let wall = ObstacleField::new(vec![sextant_channel::Obstacle::read(wall, &Files::default()).unwrap()]);
     let error = target(&thesis()).build(0, &wall, Seed(1)).unwrap_err();
     assert_eq!(error.key, "motion.wander.duration_s");

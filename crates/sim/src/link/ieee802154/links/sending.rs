@@ -7,7 +7,7 @@ use sextant_mac::frame::DataFrame;
 use super::Links;
 use super::tracing::RefusedFrame;
 use crate::event::ieee802154::Event;
-use crate::link::ieee802154::addressing::offered_octets;
+use crate::link::ieee802154::addressing::{header, offered_octets};
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::ledger::CountedPacket;
@@ -40,24 +40,16 @@ impl Links {
         if !self.ledger.has(station) || !self.macs[station.index()].is_transmitter() {
             return Err(SendError::ReceivesOnly);
         }
-        if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
-        {
-            return Err(SendError::NoSuchStation(to));
-        }
+        self.ledger.can_reach(station, to)?;
         let header = self.data_frame(station, to);
         let mpdu_octets = offered_octets(&header, payload)?;
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        let packets = &mut self.ledger.packets[station.index()];
-        packets.offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        let counts = self.ledger.offer(station, mpdu_octets, scene);
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.frames);
         stack.frames = stack.frames.wrapping_add(1);
         let is_busy = self.macs[station.index()].is_busy();
         if is_busy && stack.waiting.len() >= self.queue_frames {
-            packets.lost_queue += counts;
+            self.ledger.packets[station.index()].lost_queue += counts;
             self.trace_refused(station, RefusedFrame { id, to, mpdu_octets, payload }, scene);
             return Err(SendError::QueueFull(self.queue_frames));
         }
@@ -170,10 +162,7 @@ impl Links {
 
     /// The header of the data frames of `station` to others of its PAN.
     pub(super) fn data_frame(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
+        header(self.pan, station, to)
     }
 
     /// Writes the data frame of `station` that is under way, or only its payload if nobody looks at more.

@@ -5,6 +5,7 @@ use sextant_kernel::{SimTime, StationId};
 use super::Links;
 use crate::air::Transmission;
 use crate::link::fate::Fate;
+use crate::link::ieee802154::header;
 use crate::link::ledger::CountedPacket;
 use crate::link::programmed::packet::OpenPacket;
 use crate::link::track::{DataPacket, Origin, PacketTrack, TransmissionEnd};
@@ -24,12 +25,9 @@ impl Links {
         scene: &mut Scene,
     ) -> Result<FrameId, RadioError> {
         self.check_destination(station, to)?;
-        let header = self.header(station, to);
+        let header = header(self.pan, station, to);
         let mpdu_octets = Self::mpdu_octets(&header, payload_octets)?;
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        self.ledger.packets[station.index()].offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        self.ledger.offer(station, mpdu_octets, scene);
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.packets);
         stack.packets = stack.packets.wrapping_add(1);
@@ -165,7 +163,7 @@ impl Links {
         scene: &mut Scene,
     ) {
         let OpenPacket { id, to, sequence, mpdu_octets, offered, transmissions, assessments, track, .. } = packet;
-        let payload_octets = u64::from(mpdu_octets - self.header(station, to).overhead_octets());
+        let payload_octets = u64::from(mpdu_octets - header(self.pan, station, to).overhead_octets());
         let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments };
         self.ledger.count(station, &counted);
         let Some(mut track) = track else { return };

@@ -9,6 +9,7 @@ use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
 use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
+use crate::link::ieee802154::header;
 use crate::link::programmed::packet::Outgoing;
 use crate::link::programmed::stack::{Kind, OnAir};
 use crate::observer::{FrameOnAir, Observer};
@@ -26,7 +27,7 @@ impl Links {
             Destination::Station(to) => Some(to),
             Destination::All => None,
         };
-        let octets = self.header(station, outgoing.to).overhead_octets() + self.payload_octets(&outgoing);
+        let octets = header(self.pan, station, outgoing.to).overhead_octets() + self.payload_octets(&outgoing);
         self.begin(station, to, octets, Kind::Frame, scene);
         let stack = &mut self.stacks[station.index()];
         (stack.sent_from, stack.sent_packet) = (scene.now, outgoing.packet);
@@ -108,8 +109,8 @@ impl Links {
     /// Writes a frame into the buffer of the network.
     fn write_frame(&mut self, station: StationId, outgoing: &Outgoing) {
         let header = match outgoing.acknowledged {
-            true => self.header(station, outgoing.to),
-            false => self.header(station, outgoing.to).without_acknowledgement(),
+            true => header(self.pan, station, outgoing.to),
+            false => header(self.pan, station, outgoing.to).without_acknowledgement(),
         };
         let payload = self.payloads.octets(outgoing.payload);
         header.write(outgoing.sequence, payload, &mut self.mpdu);

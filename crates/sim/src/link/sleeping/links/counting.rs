@@ -3,6 +3,7 @@
 use sextant_kernel::StationId;
 
 use super::Links;
+use crate::link::ieee802154::header;
 use crate::link::ledger::CountedPacket;
 use crate::link::sleeping::stack::OpenFrame;
 use crate::link::track::Origin;
@@ -28,7 +29,7 @@ impl Links {
         scene: &mut Scene,
     ) {
         self.payloads.release(frame.content);
-        let payload_octets = u64::from(frame.mpdu_octets - self.header(station, frame.to).overhead_octets());
+        let payload_octets = u64::from(frame.mpdu_octets - header(self.pan, station, frame.to).overhead_octets());
         let (transmissions, assessments) = (frame.transmissions.into(), frame.looks.into());
         let counted = CountedPacket { offered: frame.offered, payload_octets, end, fate, transmissions, assessments };
         self.ledger.count(station, &counted);

@@ -12,6 +12,7 @@ use super::Links;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
+use crate::link::ieee802154::header;
 use crate::link::payloads::Content;
 use crate::link::sleeping::stack::Stack;
 use crate::observer::{FrameOnAir, Observer};
@@ -83,7 +84,7 @@ impl Links {
         let packet = self.stacks[station.index()].waiting.front();
         match (sent, packet) {
             (Sent::Data, Some(packet)) => {
-                let header = self.header(station, to);
+                let header = header(self.pan, station, to);
                 let payload = match packet.content {
                     Content::Octets(slot) => self.payloads.octets(slot),
                     Content::Filler => header.filler(packet.mpdu_octets).expect("sizes of traffic were checked"),
@@ -99,7 +100,7 @@ impl Links {
                 self.payload = end - payload.len()..end;
             }
             _ if !observer.wants_frames() => {}
-            (Sent::Strobe, _) => self.header(station, to).write(sequence, STROBE, &mut mpdu),
+            (Sent::Strobe, _) => header(self.pan, station, to).write(sequence, STROBE, &mut mpdu),
             (Sent::WakeUp { rendezvous }, _) => {
                 let frame =
                     WakeUpFrame { pan: self.pan, to: peer, rendezvous: rendezvous_units(rendezvous, self.phy()) };

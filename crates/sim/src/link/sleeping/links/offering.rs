@@ -1,10 +1,9 @@
 //! Frames are offered, and what becomes of them is counted.
 
 use sextant_kernel::StationId;
-use sextant_mac::frame::DataFrame;
 
 use super::Links;
-use crate::link::ieee802154::offered_octets;
+use crate::link::ieee802154::{header, offered_octets};
 use crate::link::sleeping::stack::OpenFrame;
 use crate::link::track::PacketTrack;
 use crate::scene::Scene;
@@ -14,14 +13,6 @@ use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutco
 use crate::service::upcall::Upcall;
 
 impl Links {
-    /// The header of the data frames of a station.
-    pub(super) fn header(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
-    }
-
     /// Takes a frame to send.
     pub(super) fn take_frame(
         &mut self,
@@ -33,20 +24,13 @@ impl Links {
         if !self.stacks[station.index()].is_there {
             return Err(SendError::ReceivesOnly);
         }
-        if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
-        {
-            return Err(SendError::NoSuchStation(to));
-        }
-        let mpdu_octets = offered_octets(&self.header(station, to), payload)?;
+        self.ledger.can_reach(station, to)?;
+        let mpdu_octets = offered_octets(&header(self.pan, station, to), payload)?;
         let allowed = self.settings.least_mpdu_octets();
         if mpdu_octets < allowed {
             return Err(SendError::Undersized { found: mpdu_octets.into(), allowed: allowed.into() });
         }
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        self.ledger.packets[station.index()].offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        self.ledger.offer(station, mpdu_octets, scene);
         let content = self.payloads.keep(payload);
         let most = usize::from(self.settings.queue_frames);
         let stack = &mut self.stacks[station.index()];

@@ -6,6 +6,7 @@ use sextant_mac::tsch::{Asn, Cell, Ended, Msf, ReturnCode, Schedule, SixP, SixPB
 
 use super::Links;
 use crate::event::tsch::Event;
+use crate::link::ieee802154::header;
 use crate::link::payloads::Content;
 use crate::link::tsch::stack::{FrameKind, SixPRole, SlotFrame, Stack};
 use crate::purpose;
@@ -139,7 +140,7 @@ impl Links {
         let mut octets = Vec::new();
         message.write(&mut octets);
         let length = u8::try_from(octets.len()).expect("messages fit into a frame");
-        let overhead = self.sizes(station, Destination::Station(to)).overhead_octets();
+        let overhead = header(self.pan, station, Destination::Station(to)).overhead_octets();
         let stack = &mut self.stacks[station.index()];
         let frame = SlotFrame {
             kind: FrameKind::SixP(role),

@@ -3,6 +3,7 @@
 use sextant_kernel::StationId;
 
 use super::Links;
+use crate::link::ieee802154::header;
 use crate::link::ledger::CountedPacket;
 use crate::link::track::Origin;
 use crate::link::tsch::stack::{FrameKind, SlotFrame};
@@ -31,7 +32,7 @@ impl Links {
         if frame.kind != FrameKind::Data {
             return;
         }
-        let payload_octets = u64::from(frame.mpdu_octets - self.sizes(station, frame.to).overhead_octets());
+        let payload_octets = u64::from(frame.mpdu_octets - header(self.pan, station, frame.to).overhead_octets());
         let (offered, transmissions) = (frame.offered, frame.transmissions.into());
         let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments: 0 };
         self.ledger.count(station, &counted);

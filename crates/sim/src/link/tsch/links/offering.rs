@@ -1,10 +1,9 @@
 //! Frames are offered, and what becomes of them is counted.
 
 use sextant_kernel::StationId;
-use sextant_mac::frame::DataFrame;
 
 use super::Links;
-use crate::link::ieee802154::offered_octets;
+use crate::link::ieee802154::{header, offered_octets};
 use crate::link::payloads::Content;
 use crate::link::track::PacketTrack;
 use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
@@ -15,14 +14,6 @@ use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutco
 use crate::service::upcall::Upcall;
 
 impl Links {
-    /// The sizes of the data frames of a station, which are those of earlier revisions.
-    pub(super) fn sizes(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
-    }
-
     /// Takes a frame to send.
     pub(super) fn take_frame(
         &mut self,
@@ -34,17 +25,10 @@ impl Links {
         if matches!(self.stacks[station.index()].membership, Membership::Out) {
             return Err(SendError::ReceivesOnly);
         }
-        if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
-        {
-            return Err(SendError::NoSuchStation(to));
-        }
-        let sizes = self.sizes(station, to);
+        self.ledger.can_reach(station, to)?;
+        let sizes = header(self.pan, station, to);
         let mpdu_octets = offered_octets(&sizes, payload)?;
-        let counts = u64::from(scene.now >= self.ledger.counted_from);
-        self.ledger.packets[station.index()].offered += counts;
-        self.ledger.octets[station.index()] += counts * u64::from(mpdu_octets);
-        scene.offered += 1;
+        self.ledger.offer(station, mpdu_octets, scene);
         let content = self.payloads.keep(payload);
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.frames);
@@ -118,7 +102,7 @@ impl Links {
         match content {
             Content::Octets(slot) => self.payloads.octets(slot),
             Content::Filler if kind == FrameKind::Data => {
-                let sizes = self.sizes(station, to);
+                let sizes = header(self.pan, station, to);
                 sizes.filler(mpdu_octets).expect("sizes of traffic were checked at the start")
             }
             Content::Filler => &[],

@@ -8,6 +8,7 @@ use sextant_mac::tsch::{Asn, JoiningConfig};
 use super::Links;
 use crate::air::Transmission;
 use crate::event::tsch::Event;
+use crate::link::ieee802154::header;
 use crate::link::payloads::Content;
 use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
 use crate::purpose;
@@ -113,7 +114,9 @@ impl Links {
     ) -> SlotFrame {
         let mpdu_octets = match kind {
             FrameKind::Beacon => self.plan.beacon_octets(&self.settings, station),
-            FrameKind::Data | FrameKind::KeepAlive | FrameKind::SixP(_) => self.sizes(station, to).overhead_octets(),
+            FrameKind::Data | FrameKind::KeepAlive | FrameKind::SixP(_) => {
+                header(self.pan, station, to).overhead_octets()
+            }
         };
         SlotFrame {
             kind,
