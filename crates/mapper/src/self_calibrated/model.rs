@@ -6,7 +6,7 @@ use crate::numerics::normal::{Normal, index, quantile};
 /// Number of bins over the range seen in the log.
 const BINS_PER_RANGE: f64 = 100.0;
 /// Number of bins. The last one holds everything beyond two and a half ranges.
-const BINS: u32 = 250;
+pub(super) const BINS: u32 = 250;
 /// Lowest probability of a reception.
 pub(super) const FLOOR: f64 = 1e-6;
 /// Highest probability of a reception.
@@ -91,6 +91,11 @@ impl Model {
         self.clear.len()
     }
 
+    /// Bins in a metre.
+    pub(super) fn bins_per_m(&self) -> f64 {
+        self.per_m
+    }
+
     /// Probability over clear links at full efficiency, in a bin.
     pub(super) fn in_bin(&self, bin: usize) -> f64 {
         self.clear[bin]
@@ -143,7 +148,13 @@ impl Model {
     /// Probability of a reception over a clear link.
     #[inline]
     pub(super) fn clear(&self, efficiency: f64, distance_m: f64) -> f64 {
-        (self.clear[self.bin(distance_m)] * efficiency).clamp(self.floor, CEILING)
+        self.clear_in(efficiency, self.bin(distance_m))
+    }
+
+    /// The same over the lengths of a bin.
+    #[inline]
+    pub(super) fn clear_in(&self, efficiency: f64, bin: usize) -> f64 {
+        (self.clear[bin] * efficiency).clamp(self.floor, CEILING)
     }
 
     /// Tables of its logarithms.
