@@ -88,7 +88,8 @@ struct Moved {
 fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> {
     let DistanceLaw { shadowing, lattice, .. } = law;
     let field = NodeField::new(heard, lattice);
-    let rows: Vec<usize> = (0..heard.len()).collect();
+    let count = heard.len();
+    let rows: Vec<usize> = (0..count).collect();
     let in_order = |rows: &[usize]| field.at(rows, field.covariance(rows, *shadowing));
     let (forward, backward) = (in_order(&rows)?, in_order(&rows.iter().rev().copied().collect::<Vec<_>>())?);
     let mut splits: Vec<usize> =
