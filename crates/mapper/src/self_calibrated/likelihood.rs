@@ -4,7 +4,6 @@ use sextant_channel::Position;
 use sextant_kernel::maths::{ln, ln_each};
 
 use super::counts::CountedLink;
-use super::link_bins::{BinsOfLink, ByBin};
 use super::model::Logarithms;
 use super::window::VertexWindow;
 
@@ -54,41 +53,14 @@ impl WindowLikelihood {
         });
     }
 
-    /// The same for a clear link, whose `probability` is that of a bin.
-    pub(super) fn add_clear(
-        &mut self,
-        bins: BinsOfLink<'_>,
-        link: &CountedLink,
-        probability: impl Fn(usize) -> f64,
-    ) {
-        let (received, missed, sent) = (link.received, link.missed, link.sent());
-        if self.packets.saturating_add(sent) > CHUNK {
-            self.take_logarithms();
-        }
-        self.packets += sent.min(CHUNK);
-        if sent > CHUNK {
-            let logarithm = |p: f64| f64::from(received) * ln(p) + f64::from(missed) * ln(1.0 - p);
-            self.add_table(bins, &bins.table(|bin| logarithm(probability(bin))));
-            return;
-        }
-        let share = |p: f64| power(p, received) * power(1.0 - p, missed);
-        let table = bins.table(|bin| share(probability(bin)));
-        let pairs = self.product.iter_mut().zip(bins.of_vertex);
-        pairs.for_each(|(product, bin)| *product *= table[usize::from(*bin)]);
-    }
-
-    /// The same by tables of logarithms, which is faster for several packets.
-    pub(super) fn add_logarithms(&mut self, bins: BinsOfLink<'_>, link: &CountedLink, logarithms: &Logarithms) {
+    /// The same for a clear link by tables of logarithms, which is faster for several packets. `bins` are those of the vertices.
+    pub(super) fn add_logarithms(&mut self, bins: &[u8], link: &CountedLink, logarithms: &Logarithms) {
         let (received, missed) = (f64::from(link.received), f64::from(link.missed));
         let of_stop = logarithms.of_stop(link.stop as usize);
-        let logarithm = |[ln_received, ln_missed]: [f64; 2]| received * ln_received + missed * ln_missed;
-        self.add_table(bins, &bins.table(|bin| logarithm(of_stop[bin])));
-    }
-
-    /// Adds the logarithm of each bin.
-    fn add_table(&mut self, bins: BinsOfLink<'_>, table: &ByBin) {
-        let pairs = self.logarithms.iter_mut().zip(bins.of_vertex);
-        pairs.for_each(|(sum, bin)| *sum += table[usize::from(*bin)]);
+        for (sum, bin) in self.logarithms.iter_mut().zip(bins) {
+            let [ln_received, ln_missed] = of_stop[usize::from(*bin)];
+            *sum += received * ln_received + missed * ln_missed;
+        }
     }
 
     /// Multiplies by a factor of each place, at least 10⁻⁶.

@@ -148,13 +148,7 @@ impl Model {
     /// Probability of a reception over a clear link.
     #[inline]
     pub(super) fn clear(&self, efficiency: f64, distance_m: f64) -> f64 {
-        self.clear_in(efficiency, self.bin(distance_m))
-    }
-
-    /// The same over the lengths of a bin.
-    #[inline]
-    pub(super) fn clear_in(&self, efficiency: f64, bin: usize) -> f64 {
-        (self.clear[bin] * efficiency).clamp(self.floor, CEILING)
+        (self.clear[self.bin(distance_m)] * efficiency).clamp(self.floor, CEILING)
     }
 
     /// Tables of its logarithms.

@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, Watch};
 use super::belief::PlaceBelief;
 use super::counts::{CountedLink, Record, StopCounts};
 use super::likelihood::WindowLikelihood;
-use super::link_bins::{ByBin, LinkBins};
+use super::link_bins::LinkBins;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{RoundDetail, VertexWindow};
@@ -183,7 +183,8 @@ impl KnownBesidesPlace<'_> {
                 }),
                 None => match self.logarithms {
                     Some(logarithms) => likelihood.add_logarithms(bins, link, logarithms),
-                    None => likelihood.add_clear(bins, link, |bin| self.model.clear_in(efficiency, bin)),
+                    None => likelihood
+                        .add(window, link, |place| self.model.clear(efficiency, place.distance_m(link.place))),
                 },
             }
         }
@@ -225,22 +226,18 @@ impl KnownBesidesPlace<'_> {
             let efficiency = self.model.efficiency(link.stop as usize);
             let (received, sent) = (f64::from(link.received), f64::from(link.sent()));
             let absorbed = self.obstacles.map_or(0.0, |obstacles| obstacles.map.absorbed(link.place, belief.mean));
-            // Two sums by turns: a bin often follows itself, and each of them waits for its last sum.
-            let mut weights: [ByBin; 2] = [[0.0; 256]; 2];
-            for pair in scratch.likely.chunks(2) {
-                for (weights, likely) in weights.iter_mut().zip(pair) {
-                    if self.counts.tells(link, likely.place) {
-                        weights[usize::from(bins.of_vertex[likely.vertex])] += likely.weight;
-                    }
-                }
-            }
             let mut expected = 0.0;
-            for bin in bins.all() {
-                let weight = weights[0][bin] + weights[1][bin];
-                let passed = weight * self.model.passed(bin, absorbed);
-                tally.received[bin] += weight * received;
-                tally.sent[bin] += passed * sent * efficiency;
-                expected += passed * self.model.in_bin(bin);
+            for likely in &scratch.likely {
+                if !self.counts.tells(link, likely.place) {
+                    continue;
+                }
+                let bin = usize::from(bins[likely.vertex]);
+                let passed = self.model.passed(bin, absorbed);
+                if link.received > 0 {
+                    tally.received[bin] += likely.weight * received;
+                }
+                tally.sent[bin] += likely.weight * sent * efficiency * passed;
+                expected += likely.weight * passed * self.model.in_bin(bin);
             }
             tally.stops.push((link.stop, [received, expected * sent]));
         }
