@@ -28,7 +28,10 @@ pub fn cholesky(columns: &mut [f64], size: usize) -> bool {
 /// If `columns` are not `size` times `size` numbers.
 pub fn cholesky_watched(columns: &mut [f64], size: usize, watch: &dyn Watch) -> Result<bool, Interrupted> {
     assert_eq!(columns.len(), size * size, "a matrix of {size} columns");
-    with_widest_vectors(|| factorise(columns, size, watch))
+    with_widest_vectors(
+        #[inline(always)]
+        || factorise(columns, size, watch),
+    )
 }
 
 #[inline(always)]
@@ -71,7 +74,10 @@ pub fn solve_lower(columns: &[f64], size: usize, right_sides: &mut [f64]) {
         return;
     }
     assert!(right_sides.len().is_multiple_of(size), "right sides of {size} numbers");
-    with_widest_vectors(|| substitute(columns, size, right_sides));
+    with_widest_vectors(
+        #[inline(always)]
+        || substitute(columns, size, right_sides),
+    );
 }
 
 #[inline(always)]
@@ -152,9 +158,9 @@ type Tile = [[f64; BLOCK]; BLOCK];
 
 #[inline(always)]
 fn take(tile: &mut Tile, column: [f64; BLOCK], multipliers: [f64; BLOCK]) {
-    for (own, multiplier) in tile.iter_mut().zip(multipliers) {
-        for (own, entry) in own.iter_mut().zip(column) {
-            *own -= entry * multiplier;
+    for side in 0..BLOCK {
+        for row in 0..BLOCK {
+            tile[side][row] -= column[row] * multipliers[side];
         }
     }
 }

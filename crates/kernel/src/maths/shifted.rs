@@ -48,7 +48,10 @@ impl ShiftedMatrices {
         for (number, side) in right_sides.chunks_exact(size.max(1)).enumerate() {
             side.iter().enumerate().for_each(|(row, value)| sides[row * width + number] = *value);
         }
-        let beside = with_widest_vectors(|| reflect(&mut columns, size, &mut sides, width));
+        let beside = with_widest_vectors(
+            #[inline(always)]
+            || reflect(&mut columns, size, &mut sides, width),
+        );
         let diagonal = (0..size).map(|at| columns[at * size + at]).collect();
         Self { diagonal, beside, sides, width, count }
     }
@@ -82,7 +85,10 @@ impl ShiftedMatrices {
             squares: vec![0.0; self.width],
             with_first: std::array::from_fn(|_| vec![0.0; self.width]),
         };
-        with_widest_vectors(|| self.sum(&rows, &mut products));
+        with_widest_vectors(
+            #[inline(always)]
+            || self.sum(&rows, &mut products),
+        );
         products.squares.truncate(self.count);
         products.with_first.iter_mut().for_each(|with| with.truncate(self.count));
         Some(products)
@@ -176,7 +182,8 @@ mod tests {
     #[test]
     fn products_are_those_of_the_cholesky_factor() {
         for size in [1, 2, 3, 5, 12, 31] {
-            let entry = |i: usize, j: usize| libm::exp(-0.3 * (i.abs_diff(j) as f64)) * libm::cos(0.2 * (i * j) as f64);
+            let entry =
+                |i: usize, j: usize| libm::exp(-0.3 * (i.abs_diff(j) as f64)) * libm::cos(0.2 * (i * j) as f64);
             let matrix: Vec<f64> = (0..size * size).map(|at| entry(at / size, at % size)).collect();
             let sides: Vec<f64> = (0..11 * size).map(|at| libm::sin(at as f64)).collect();
             let shifted = ShiftedMatrices::new(matrix.clone(), size, &sides);

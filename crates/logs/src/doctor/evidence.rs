@@ -226,7 +226,12 @@ impl PlaceProducts {
         let with = change.with_logs;
         Self {
             levels: self.levels - share * change.with_levels * change.with_levels,
-            with_levels: self.with_levels.iter().zip(with).map(|(own, with)| own - share * with * change.with_levels).collect(),
+            with_levels: self
+                .with_levels
+                .iter()
+                .zip(with)
+                .map(|(own, with)| own - share * with * change.with_levels)
+                .collect(),
             logs: self.logs.iter().zip(with).map(|(own, with)| own - share * with * with).collect(),
             ln_determinant: self.ln_determinant + libm::log(more),
             count: self.count,

@@ -48,7 +48,10 @@ impl LinkBins {
         let from = bins.len();
         bins.resize(from + *vertices, 0);
         let (per_m, last) = (model.bins_per_m(), (model.bins() - 1) as f64);
-        with_widest_vectors(|| number(&mut bins[from..], squares, per_m, last));
+        with_widest_vectors(
+            #[inline(always)]
+            || number(&mut bins[from..], squares, per_m, last),
+        );
         &self.bins[from..]
     }
 
@@ -82,7 +85,10 @@ mod tests {
     fn whole_numbers_are_those_below() {
         for value in 0..=255_u8 {
             let exact = f64::from(value);
-            assert_eq!([exact, exact + 0.3, exact + 0.5, exact + 0.9, (exact + 1.0).next_down()].map(whole), [value; 5]);
+            assert_eq!(
+                [exact, exact + 0.3, exact + 0.5, exact + 0.9, (exact + 1.0).next_down()].map(whole),
+                [value; 5]
+            );
         }
     }
 }

@@ -66,7 +66,10 @@ impl LogCurve {
     }
 
     fn log_likelihood(&self, blocks: &[StopBlock], place: Position) -> f64 {
-        with_widest_vectors(|| self.sum(blocks, place.into()))
+        with_widest_vectors(
+            #[inline(always)]
+            || self.sum(blocks, place.into()),
+        )
     }
 
     #[inline(always)]
@@ -75,10 +78,11 @@ impl LogCurve {
         let mut sums = [0.0; LANES];
         for block in blocks {
             let mut along = [0.0; LANES];
-            for (coordinates_m, own_m) in block.coordinates_m.iter().zip(place) {
-                along.iter_mut().zip(coordinates_m).for_each(|(sum, at_m)| *sum += (own_m - at_m) * (own_m - at_m));
+            let [xs, ys, zs] = &block.coordinates_m;
+            for lane in 0..LANES {
+                let [x, y, z] = [place[0] - xs[lane], place[1] - ys[lane], place[2] - zs[lane]];
+                along[lane] = ((x * x + y * y + z * z).sqrt() * self.per_m).min(last);
             }
-            along.iter_mut().for_each(|square| *square = (square.sqrt() * self.per_m).min(last));
             for lane in 0..LANES {
                 let below = index(along[lane]);
                 let share = along[lane] - below as f64;
