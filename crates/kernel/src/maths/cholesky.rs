@@ -158,9 +158,9 @@ type Tile = [[f64; BLOCK]; BLOCK];
 
 #[inline(always)]
 fn take(tile: &mut Tile, column: [f64; BLOCK], multipliers: [f64; BLOCK]) {
-    for side in 0..BLOCK {
-        for row in 0..BLOCK {
-            tile[side][row] -= column[row] * multipliers[side];
+    for (own, multiplier) in tile.iter_mut().zip(&multipliers) {
+        for (own, entry) in own.iter_mut().zip(&column) {
+            *own -= entry * multiplier;
         }
     }
 }
