@@ -2,7 +2,6 @@
 """Compares the outputs of two builds of Sextant byte for byte.
 
     benches/same_bytes.py OLD NEW [SCENARIO..]     recordings, captures, summaries, maps and sweep tables
-    benches/same_bytes.py OLD NEW --cpu 10         CPU time of the main job, run in turn ten times each
 
 OLD and NEW are programs. Without SCENARIO, every file in `scenarios/` is run; a folder stands for the files in it. For each
 scenario these are compared:
@@ -25,7 +24,6 @@ import os
 import pathlib
 import resource
 import shutil
-import statistics
 import struct
 import subprocess
 import sys
@@ -34,16 +32,12 @@ import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENARIOS = ROOT / "scenarios"
-MAIN_JOB = ["run", "scenarios/ml-tm/circular.toml", "--quiet", "--format", "json"]
 
 # The settings of a scenario that are tried in turn until it is short enough: as written, then the survey without maps.
 FORMS = [(), ("maps=[]",)]
 
 # Cells of a sweep that are compared; of a larger one the first part with about as many.
 CELLS = 4
-
-# Quantiles of Student's t for a 95 % interval, by degrees of freedom; 1.96 beyond.
-STUDENT = [12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23, 2.20, 2.18, 2.16, 2.14, 2.13, 2.12, 2.11, 2.10, 2.09]
 
 
 class TooLong(Exception):
@@ -264,39 +258,11 @@ def jobs(names: list[str]) -> list[Job]:
     return found
 
 
-def cpu_s(program: pathlib.Path) -> float:
-    """The CPU time of the main job [s]."""
-    with tempfile.TemporaryDirectory() as folder:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        arguments = [*MAIN_JOB, "--out", f"{folder}/run.mcap"]
-        subprocess.run([str(program), *arguments], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
-def compare_cpu(old: pathlib.Path, new: pathlib.Path, times: int) -> None:
-    """Runs the main job of both in turn, each first in every other pair, and prints the ratio of their CPU times."""
-    logs = []
-    for pair in range(times):
-        order = (old, new) if pair % 2 == 0 else (new, old)
-        used = {program: cpu_s(program) for program in order}
-        logs.append(math.log(used[new] / used[old]))
-        print(f"pair {pair + 1}: OLD {used[old]:.2f} s, NEW {used[new]:.2f} s", flush=True)
-    mean = statistics.fmean(logs)
-    if times > 1:
-        quantile = STUDENT[times - 2] if times - 2 < len(STUDENT) else 1.96
-        half = quantile * statistics.stdev(logs) / math.sqrt(times)
-        print(f"CPU of NEW / OLD: {math.exp(mean):.4f}, 95 % interval {math.exp(mean - half):.4f} to {math.exp(mean + half):.4f}")
-    else:
-        print(f"CPU of NEW / OLD: {math.exp(mean):.4f}")
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("old", type=pathlib.Path, metavar="OLD")
     parser.add_argument("new", type=pathlib.Path, metavar="NEW", help="`-` only fills the cache")
     parser.add_argument("scenario", nargs="*", metavar="SCENARIO", help="scenarios, folders of them, or folders of logs")
-    parser.add_argument("--cpu", type=int, metavar="N", help="compare the CPU time of the main job N times instead")
     parser.add_argument("--limit", type=float, default=240.0, metavar="S", help="CPU seconds of one command [240]")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="scenarios at a time [1]")
     parser.add_argument("--cache", type=pathlib.Path, default=ROOT / "target" / "same-bytes", metavar="FOLDER")
@@ -304,9 +270,6 @@ def main() -> int:
     options = parser.parse_intermixed_args()
     old = options.old.resolve()
     new = None if str(options.new) == "-" else options.new.resolve()
-    if options.cpu is not None:
-        compare_cpu(old, new, options.cpu)
-        return 0
     options.cache = options.cache.resolve() / fingerprint(old)
     counts = {"equal": 0, "different": 0, "too long": 0}
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:

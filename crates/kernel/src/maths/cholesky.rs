@@ -3,6 +3,7 @@
 //! Each entry is worked out in the order of the method by columns (Golub and Van Loan 2013, algorithm 4.2.3), so that blocks change
 //! no digit.
 
+use super::with_widest_vectors;
 use crate::watch::{Interrupted, Unwatched, Watch};
 
 /// Columns of a block, and rows.
@@ -27,6 +28,14 @@ pub fn cholesky(columns: &mut [f64], size: usize) -> bool {
 /// If `columns` are not `size` times `size` numbers.
 pub fn cholesky_watched(columns: &mut [f64], size: usize, watch: &dyn Watch) -> Result<bool, Interrupted> {
     assert_eq!(columns.len(), size * size, "a matrix of {size} columns");
+    with_widest_vectors(
+        #[inline(always)]
+        || factorise(columns, size, watch),
+    )
+}
+
+#[inline(always)]
+fn factorise(columns: &mut [f64], size: usize, watch: &dyn Watch) -> Result<bool, Interrupted> {
     for first in (0..size).step_by(BLOCK) {
         watch.check()?;
         let width = BLOCK.min(size - first);
@@ -65,6 +74,14 @@ pub fn solve_lower(columns: &[f64], size: usize, right_sides: &mut [f64]) {
         return;
     }
     assert!(right_sides.len().is_multiple_of(size), "right sides of {size} numbers");
+    with_widest_vectors(
+        #[inline(always)]
+        || substitute(columns, size, right_sides),
+    );
+}
+
+#[inline(always)]
+fn substitute(columns: &[f64], size: usize, right_sides: &mut [f64]) {
     let mut multipliers: Vec<[f64; BLOCK]> = vec![[0.0; BLOCK]; size];
     for sides in right_sides.chunks_mut(BLOCK * size) {
         let width = sides.len() / size;
@@ -88,6 +105,7 @@ pub fn solve_lower(columns: &[f64], size: usize, right_sides: &mut [f64]) {
 }
 
 /// Subtracts the products of `known` columns and `multipliers` from the first `width` columns of a block, from row `first` on.
+#[inline(always)]
 fn subtract<'a>(
     known: &[f64],
     multipliers: impl Fn(usize) -> &'a [f64],
@@ -116,6 +134,7 @@ fn subtract<'a>(
 }
 
 /// Subtracts the products of a few `known` columns and their multipliers from right sides, from row `first` on.
+#[inline(always)]
 fn subtract_below(
     known: &[f64],
     multipliers: &[[f64; BLOCK]],
@@ -137,26 +156,26 @@ fn subtract_below(
 
 type Tile = [[f64; BLOCK]; BLOCK];
 
-#[inline]
+#[inline(always)]
 fn take(tile: &mut Tile, column: [f64; BLOCK], multipliers: [f64; BLOCK]) {
-    for (own, multiplier) in tile.iter_mut().zip(multipliers) {
-        for (own, entry) in own.iter_mut().zip(column) {
+    for (own, multiplier) in tile.iter_mut().zip(&multipliers) {
+        for (own, entry) in own.iter_mut().zip(&column) {
             *own -= entry * multiplier;
         }
     }
 }
 
-#[inline]
+#[inline(always)]
 fn entries(column: &[f64], row: usize) -> [f64; BLOCK] {
     column[row..row + BLOCK].try_into().unwrap_or([0.0; BLOCK])
 }
 
-#[inline]
+#[inline(always)]
 fn load(block: &[f64], size: usize, row: usize) -> Tile {
     [0, 1, 2, 3].map(|column| entries(&block[column * size..], row))
 }
 
-#[inline]
+#[inline(always)]
 fn store(tile: &Tile, block: &mut [f64], size: usize, row: usize) {
     for (column, own) in tile.iter().enumerate() {
         block[column * size + row..][..BLOCK].copy_from_slice(own);

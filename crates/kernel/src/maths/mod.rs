@@ -7,17 +7,20 @@
 mod cholesky;
 mod exponential;
 mod logarithm;
+mod shifted;
 
 use fearless_simd::{Level, dispatch};
 
 pub use cholesky::{cholesky, cholesky_watched, solve_lower};
 pub use exponential::{exp, exp_each};
 pub use logarithm::{ln, ln_each, ln_each_single};
+pub use shifted::{InverseProducts, ShiftedMatrices};
 
-/// Does `work` with the widest vectors of this processor, if it is compiled into the place that calls it. Its results are the same
+/// Does `work` with the widest vectors of this processor. A closure of more than a few operations needs `#[inline(always)]`, and so do the
+/// functions that it calls: what is compiled by itself has usual vectors. Its results are the same
 /// with all vectors: no operation is moved or fused.
 #[inline]
-fn with_widest_vectors<R>(work: impl FnOnce() -> R) -> R {
+pub fn with_widest_vectors<R>(work: impl FnOnce() -> R) -> R {
     dispatch!(Level::new(), _simd => work())
 }
 

@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
-use super::evidence::{Lattice, NodeField, Shadowing, ln_mean};
+use super::evidence::{NodeField, Shadowing};
+use super::lattice::Lattice;
 use super::node_strengths::{NodeStrengths, floors};
 
 /// Nodes and floors with fewer stops say nothing; of more stops and nodes so many are used.
@@ -19,6 +20,8 @@ const MOST_NODES: usize = 24;
 const SHARED_DB: [f64; 5] = [1.5, 3.0, 5.0, 8.0, 12.0];
 const ALONE_DB: [f64; 3] = [1.0, 2.0, 4.0];
 const RANGES: [f64; 3] = [0.03, 0.1, 0.3];
+/// So many have one range.
+const OF_RANGE: usize = SHARED_DB.len() * ALONE_DB.len();
 
 /// What the strengths of a log say of distances.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +76,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// All shadowings that are tried where nodes are heard over this extent (m).
+/// All shadowings that are tried where nodes are heard over this extent (m), those of each range together.
 fn tried(extent_m: f64) -> Vec<Shadowing> {
     let with = |share: f64, shared_db: f64| {
         ALONE_DB.map(|alone_db| Shadowing { shared_db, range_m: share * extent_m, alone_db })
@@ -89,15 +92,19 @@ impl Quarters {
         Self { field: NodeField::new(heard, lattice), of_stop: (0..heard.len()).map(quarter).collect() }
     }
 
-    /// The evidence of all stops with a law and without one, for each of `shadowings`.
-    fn evidence(&self, shadowings: &[Shadowing]) -> Vec<[f64; 2]> {
-        let rows: Vec<usize> = (0..self.field.len()).collect();
-        shadowings.iter().map(|&shadowing| [self.law(&rows, shadowing), self.alone(&rows, shadowing)]).collect()
+    /// The evidence of all stops with a law and without one, for each shadowing that is tried.
+    fn evidence(&self, tried: &[Shadowing]) -> Vec<[f64; 2]> {
+        let of_range = |tried: &[Shadowing]| {
+            let field = self.field.of_range(tried[0].range_m);
+            let of = |one: &Shadowing| field.evidence(one.shared_db, one.alone_db).unwrap_or([f64::NEG_INFINITY; 2]);
+            tried.iter().map(of).collect::<Vec<_>>()
+        };
+        tried.chunks(OF_RANGE).flat_map(of_range).collect()
     }
 
     fn law(&self, rows: &[usize], shadowing: Shadowing) -> f64 {
-        let by_place = self.field.by_place(rows, self.field.covariance(rows, shadowing));
-        by_place.map_or(f64::NEG_INFINITY, |by_place| ln_mean(by_place.iter().copied()))
+        let field = self.field.at(rows, self.field.covariance(rows, shadowing));
+        field.map_or(f64::NEG_INFINITY, |field| field.of_first(rows.len()).one_place())
     }
 
     fn alone(&self, rows: &[usize], shadowing: Shadowing) -> f64 {

@@ -12,6 +12,7 @@ mod extent;
 mod far_from_strongest;
 mod finding;
 mod impossible;
+mod lattice;
 mod levels;
 pub(super) mod listening;
 mod losses;

@@ -11,7 +11,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
 use super::distance_law::DistanceLaw;
-use super::evidence::{NodeField, Shadowing, ln_mean};
+use super::evidence::{FieldAt, NodeField, ln_mean};
 use super::finding::Finding;
 use super::node_strengths::{NodeStrengths, floors};
 use crate::place::distance::plane_m;
@@ -87,12 +87,17 @@ struct Moved {
 /// A node that moved, if two places are better than all else by more than `clear`.
 fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> {
     let DistanceLaw { shadowing, lattice, .. } = law;
-    let node = NodeOverTime { field: NodeField::new(heard, lattice), shadowing: *shadowing };
+    let field = NodeField::new(heard, lattice);
     let count = heard.len();
+    let rows: Vec<usize> = (0..count).collect();
+    let in_order = |rows: &[usize]| field.at(rows, field.covariance(rows, *shadowing));
+    let (forward, backward) = (in_order(&rows)?, in_order(&rows.iter().rev().copied().collect::<Vec<_>>())?);
     let mut splits: Vec<usize> =
         SPLITS.iter().map(|tenths| (count * tenths / 10).clamp(LEAST_PART, count - LEAST_PART)).collect();
     splits.dedup();
-    let parts: Vec<(usize, [Vec<f64>; 2])> = splits.iter().filter_map(|&at| Some((at, node.parts(at)?))).collect();
+    let part = |of: &FieldAt, count: usize| of.of_first(count).by_place();
+    let parts: Vec<(usize, [Vec<f64>; 2])> =
+        splits.iter().map(|&at| (at, [part(&forward, at), part(&backward, count - at)])).collect();
     let two = |[before, after]: &[Vec<f64>; 2]| ln_mean(before.iter().copied()) + ln_mean(after.iter().copied());
     let (at, best) = parts.iter().max_by(|a, b| two(&a.1).total_cmp(&two(&b.1)))?;
     let highest = two(best);
@@ -100,11 +105,13 @@ fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> 
     // What needs less work comes first: most nodes end there.
     let other_shadowing =
         parts.iter().map(|(_, [before, after])| ln_mean(before.iter().zip(after).map(|(a, b)| a + b)));
-    let steps =
-        splits.iter().map(|&at| node.one_place(|a, b| if a >= at && b >= at { STEP_DB * STEP_DB } else { 0.0 }));
+    let whole = forward.of_first(count);
+    let steps = splits.iter().map(|&at| forward.stepped(&whole, at, STEP_DB * STEP_DB).one_place());
     let drifts = DRIFTS.iter().map(|&(drift_db, share)| {
         let span = share * count as f64;
-        node.one_place(move |a, b| drift_db * drift_db * libm::exp(-(a.abs_diff(b) as f64) / span))
+        let drift = |a: usize, b: usize| drift_db * drift_db * libm::exp(-(a.abs_diff(b) as f64) / span);
+        let covariance = field.covariance(&rows, *shadowing) + DMatrix::from_fn(count, count, drift);
+        field.at(&rows, covariance).map_or(f64::NEG_INFINITY, |field| field.of_first(count).one_place())
     });
     for rival in other_shadowing.chain(steps).chain(drifts) {
         gain = gain.min(highest - rival);
@@ -112,31 +119,7 @@ fn moved(heard: &NodeStrengths, law: &DistanceLaw, clear: f64) -> Option<Moved> 
             return None;
         }
     }
-    let lattice = &node.field.lattice;
+    let lattice = &field.lattice;
     let apart_m = plane_m(lattice.middle(&best[0]), lattice.middle(&best[1]));
     (apart_m > APART * lattice.extent_m).then(|| Moved { after: heard.stops[*at], apart_m, gain })
-}
-
-/// What was heard of a node, in the order of time.
-struct NodeOverTime {
-    field: NodeField,
-    shadowing: Shadowing,
-}
-
-impl NodeOverTime {
-    /// The evidence of each place of the lattice before the stop `at` and from it on.
-    fn parts(&self, at: usize) -> Option<[Vec<f64>; 2]> {
-        let rows: Vec<usize> = (0..self.field.len()).collect();
-        let (before, after) = rows.split_at(at);
-        let part = |rows: &[usize]| self.field.by_place(rows, self.field.covariance(rows, self.shadowing));
-        Some([part(before)?, part(after)?])
-    }
-
-    /// The evidence of one place, with a level whose changes have this covariance over two stops.
-    fn one_place(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
-        let rows: Vec<usize> = (0..self.field.len()).collect();
-        let changes = DMatrix::from_fn(rows.len(), rows.len(), change);
-        let covariance = self.field.covariance(&rows, self.shadowing) + changes;
-        self.field.by_place(&rows, covariance).map_or(f64::NEG_INFINITY, |by_place| ln_mean(by_place.iter().copied()))
-    }
 }

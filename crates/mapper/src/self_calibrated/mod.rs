@@ -23,6 +23,7 @@ mod counts;
 mod draft;
 mod likelihood;
 mod lines;
+mod link_bins;
 mod model;
 mod posterior;
 mod report;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::maths::with_widest_vectors;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::Fit;
@@ -9,6 +10,7 @@ use crate::error::MapError;
 use crate::log_facts::heights::Heights;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
+use crate::numerics::normal::index;
 use crate::numerics::whole;
 use crate::posterior::{Estimate, EstimateKind, Verdict, local_posterior};
 
@@ -29,17 +31,23 @@ pub(crate) struct WideSearch<'a> {
     pub(crate) kind: EstimateKind,
 }
 
-/// The packets of a stop.
-struct StopPackets {
-    place: Position,
-    received: f64,
-    missed: f64,
+/// Stops that are looked at together.
+const LANES: usize = 8;
+
+/// Some stops, and the packets of a node that each received and missed. Those that fill up a block have none.
+#[derive(Clone, Copy, Default)]
+struct StopBlock {
+    coordinates_m: [[f64; LANES]; 3],
+    received: [f64; LANES],
+    missed: [f64; LANES],
+    is_heard: bool,
 }
 
 /// Logarithms of the probabilities that a packet is received and missed, over distance.
 struct LogCurve {
     per_m: f64,
-    values: Vec<[f64; 2]>,
+    /// Each logarithm, and how much the next one is above it.
+    values: Vec<[[f64; 2]; 2]>,
 }
 
 impl LogCurve {
@@ -50,20 +58,42 @@ impl LogCurve {
             let p = fit.curve.probability(step_m * i as f64).clamp(1e-9, 1.0 - 1e-9);
             [libm::log(p), libm::log1p(-p)]
         };
-        Self { per_m: 1.0 / step_m, values: (0..=end).map(value).collect() }
+        let with_rise = |i: usize| {
+            let ([near, far], at) = ([i, (i + 1).min(end)].map(value), [0, 1]);
+            at.map(|of| [near[of], far[of] - near[of]])
+        };
+        Self { per_m: 1.0 / step_m, values: (0..=end).map(with_rise).collect() }
     }
 
-    #[inline]
-    fn log_likelihood(&self, links: &[StopPackets], place: Position) -> f64 {
-        let last = self.values.len() - 1;
-        links.iter().fold(0.0, |sum, link| {
-            let along = place.distance_m(link.place) * self.per_m;
-            let below = whole(along).min(last);
-            let [near, far] = [self.values[below], self.values[(below + 1).min(last)]];
-            let share = (along - below as f64).min(1.0);
-            let mix = |i: usize| near[i] + share * (far[i] - near[i]);
-            sum + link.received * mix(0) + link.missed * mix(1)
-        })
+    fn log_likelihood(&self, blocks: &[StopBlock], place: Position) -> f64 {
+        with_widest_vectors(
+            #[inline(always)]
+            || self.sum(blocks, place.into()),
+        )
+    }
+
+    #[inline(always)]
+    fn sum(&self, blocks: &[StopBlock], place: [f64; 3]) -> f64 {
+        let last = (self.values.len() - 1) as f64;
+        let mut sums = [0.0; LANES];
+        for block in blocks {
+            let mut along = [0.0; LANES];
+            let [xs, ys, zs] = &block.coordinates_m;
+            for lane in 0..LANES {
+                let [x, y, z] = [place[0] - xs[lane], place[1] - ys[lane], place[2] - zs[lane]];
+                along[lane] = ((x * x + y * y + z * z).sqrt() * self.per_m).min(last);
+            }
+            for lane in 0..LANES {
+                let below = index(along[lane]);
+                let share = along[lane] - below as f64;
+                let [received, missed] = self.values[below];
+                sums[lane] += block.missed[lane] * (missed[0] + share * missed[1]);
+                if block.is_heard {
+                    sums[lane] += block.received[lane] * (received[0] + share * received[1]);
+                }
+            }
+        }
+        sums.iter().sum()
     }
 }
 
@@ -163,15 +193,25 @@ impl WideSearch<'_> {
         Some(Estimate { concern, ..found.estimate(self.kind, (best, most)) })
     }
 
-    /// The packets of a node at each stop that listened for it.
-    fn links(&self, heard: &HeardNode) -> Vec<StopPackets> {
+    /// The packets of a node at each stop that listened for it: first those that heard it.
+    fn links(&self, heard: &HeardNode) -> Vec<StopBlock> {
         let mut entries = self.log.of(heard.node).iter().peekable();
         let links = (0_u32..).zip(self.log.stops()).map(|(index, stop)| {
             let entry = entries.next_if(|entry| entry.stop == index);
             let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
-            StopPackets { place: stop.position, received: f64::from(received), missed: f64::from(sent - received) }
+            (<[f64; 3]>::from(stop.position), received, sent - received)
         });
-        links.filter(|link| link.received + link.missed > 0.0).collect()
+        let (hearing, silent): (Vec<_>, Vec<_>) = links.partition(|&(_, received, _)| received > 0);
+        let block = |links: &[([f64; 3], u32, u32)]| {
+            let mut block = StopBlock { is_heard: links[0].1 > 0, ..StopBlock::default() };
+            for (lane, (place, received, missed)) in links.iter().enumerate() {
+                (0..3).for_each(|axis| block.coordinates_m[axis][lane] = place[axis]);
+                [block.received[lane], block.missed[lane]] = [received, missed].map(|count| f64::from(*count));
+            }
+            block
+        };
+        let silent: Vec<_> = silent.into_iter().filter(|&(.., missed)| missed > 0).collect();
+        hearing.chunks(LANES).chain(silent.chunks(LANES)).map(block).collect()
     }
 }
 

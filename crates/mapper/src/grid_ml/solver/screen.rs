@@ -200,7 +200,8 @@ impl Bound {
     /// The vertex as seen from a place.
     #[inline(always)]
     fn apart(&self, place: &[f32x4; 3]) -> [f32x4; 3] {
-        [0, 1, 2].map(|axis| self.vertex[axis] - place[axis])
+        let ([x, y, z], [at_x, at_y, at_z]) = (self.vertex, *place);
+        [x - at_x, y - at_y, z - at_z]
     }
 
     #[inline(always)]
