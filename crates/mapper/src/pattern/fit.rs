@@ -7,23 +7,20 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
+use super::blur::Blur;
 use super::evidence::{Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
-use super::gain_map::{CELL_RAD, GainMap, Names};
+use super::gain_map::{GainMap, Names};
 use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
 use super::naming::{self, TURN_RAD, TurnOfRound};
-use super::places::{self, CellPosterior};
+use super::places::{self, CellPosterior, Look};
 use super::report_law::ReportTables;
 use super::scene::AntennaScene;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
 
-/// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
-const SLOPE_DB: f64 = 40.0;
 /// The distance over which cells are seen, as a share of the reach.
 const SEEN_FROM: f64 = 0.33;
-/// Over how many cells of the map of directions likelihoods are averaged on each side, from the roughest to the finest.
-const RADII: [usize; 5] = [8, 4, 2, 1, 0];
 /// The law is estimated from at most so many nodes, and begun with so many.
 const NODES: usize = 48;
 const FIRST_NODES: usize = 12;
@@ -42,8 +39,10 @@ const SETTLED_OF_REPORTS_DB: f64 = 0.05;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
 const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
-/// Laws that are tried at first, at most: margins, yaws, and smaller turns.
-const FIRST_LAWS: f64 = 40.0;
+/// Of these, so many are looked at closely.
+const WHOLE_LOOKS: usize = 3;
+/// Laws that are looked at closely at first, at most: of the margins, of the yaws, and smaller turns.
+const FIRST_LAWS: f64 = 12.0;
 /// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm), where a node counts
 /// for or against it by so much at most: three nodes at least must agree.
 const TURNED: f64 = 10.0;
@@ -82,14 +81,24 @@ pub(super) struct FoundPattern {
 }
 
 /// A law that was tried at first, with the logarithm of the probability of what the log says: of all nodes, and of each.
-#[derive(Clone)]
 struct FirstLaw {
     law: PatternLaw,
     value: f64,
     of_nodes: Vec<f64>,
 }
 
+/// A node with what the log says of it. It keeps what its reports say of directions from law to law.
+struct KnownNode {
+    evidence: PatternEvidence,
+    within: SearchBox,
+}
+
 impl FirstLaw {
+    /// The likelier of two laws; the first one if both are as likely.
+    fn or_likelier(self, other: Self) -> Self {
+        if other.value > self.value { other } else { self }
+    }
+
     /// By how much the nodes agree that this law is likelier than another one.
     fn agreed_beyond(&self, other: &Self) -> f64 {
         self.of_nodes.iter().zip(&other.of_nodes).map(|(one, other)| (one - other).clamp(-OF_NODE, OF_NODE)).sum()
@@ -100,7 +109,7 @@ impl FirstLaw {
 pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
-    names: Arc<[OnceLock<(Names, ReportTables)>; RADII.len()]>,
+    names: Arc<[OnceLock<(Names, ReportTables)>; Blur::COUNT]>,
     tables: Arc<PatternTables>,
     reach_m: f64,
 }
@@ -118,44 +127,49 @@ impl Likelihoods {
         Self { law, names: Arc::clone(&self.names), tables: Arc::clone(&self.tables), reach_m }
     }
 
-    /// The likelihood for cells that a stop sees under this angle on each side of their middle (rad).
-    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, angle: f64) -> PatternLikelihood<'a> {
-        let cells = angle / CELL_RAD;
-        let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
-        let radius = RADII[level];
-        let blur_db = SLOPE_DB * CELL_RAD * radius as f64;
-        let (names, reports) = self.names[level].get_or_init(|| {
-            let noise_db = libm::hypot(self.law.noise_db, blur_db);
-            (map.names(&self.law, radius), ReportTables::new(&self.law.reports, noise_db))
+    /// The likelihood with a blur.
+    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, blur: Blur) -> PatternLikelihood<'a> {
+        let (names, reports) = self.names[blur.level()].get_or_init(|| {
+            let noise_db = libm::hypot(self.law.noise_db, blur.extra_db());
+            (map.names(&self.law, blur.radius()), ReportTables::new(&self.law.reports, noise_db))
         });
-        PatternLikelihood::new(&self.law, map, (names, reports), blur_db, &self.tables)
+        PatternLikelihood::new(&self.law, map, (names, reports), blur, &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
     pub(super) fn places(
         &self,
         survey: &SectorSurvey<'_>,
-        (node, within): &(NodeId, SearchBox),
+        node: &(NodeId, SearchBox),
         step_m: f64,
     ) -> Option<(PatternEvidence, CellPosterior)> {
-        let evidence = PatternEvidence::of(
-            survey.log,
-            *node,
-            within,
-            self.reach_m,
-            &survey.scene.columns,
-            survey.scene.surveyed,
-        );
-        let of_step = |width_m: f64| {
-            let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
-            self.blurred(&survey.scene.map, angle)
-        };
-        let found = places::find(&of_step, &evidence, within, step_m)?;
+        let evidence = survey.evidence(node, self.reach_m);
+        let found = self.posterior(survey.scene, &evidence, &node.1, (step_m, Look::Whole))?;
         Some((evidence, found))
+    }
+
+    /// The posterior of a node of which this is known, in a box.
+    fn posterior(
+        &self,
+        scene: &AntennaScene,
+        evidence: &PatternEvidence,
+        within: &SearchBox,
+        (step_m, look): (f64, Look),
+    ) -> Option<CellPosterior> {
+        let of_step = |width_m: f64| {
+            let angle = 0.5 * width_m / (SEEN_FROM * scene.reach_m);
+            self.blurred(&scene.map, Blur::of_angle(angle))
+        };
+        places::find(&of_step, evidence, within, step_m, look)
     }
 }
 
 impl SectorSurvey<'_> {
+    /// What the log says of a node in a box, for laws by which nodes are heard over so many metres at most.
+    fn evidence(&self, (node, within): &(NodeId, SearchBox), reach_m: f64) -> PatternEvidence {
+        PatternEvidence::of(self.log, *node, within, reach_m, &self.scene.columns, self.scene.surveyed)
+    }
+
     fn step_m(&self) -> f64 {
         self.scene.reach_m / STEPS_PER_REACH
     }
@@ -174,12 +188,18 @@ impl SectorSurvey<'_> {
         Work { name, unit: "round", steps: ROUNDS.into(), operations: self.operations(FIRST_LAWS * some + each) }
     }
 
+    /// Some nodes, for laws by which nodes are heard over so many metres at most.
+    fn known(&self, nodes: &[(NodeId, SearchBox)], reach_m: f64) -> Vec<KnownNode> {
+        nodes.iter().map(|node| KnownNode { evidence: self.evidence(node, reach_m), within: node.1 }).collect()
+    }
+
     /// The logarithm of the probability of what the log says of each of some nodes, over all its places.
-    fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> Vec<f64> {
-        let of_node = |node: &(NodeId, SearchBox)| {
-            likelihoods.places(self, node, 2.0 * self.step_m()).map_or(0.0, |(_, found)| found.ln_evidence)
+    fn ln_evidence(&self, likelihoods: &Likelihoods, known: &mut [KnownNode], look: Look) -> Vec<f64> {
+        let of_node = |KnownNode { evidence, within }: &mut KnownNode| {
+            let found = likelihoods.posterior(self.scene, evidence, within, (2.0 * self.step_m(), look));
+            found.map_or(0.0, |found| found.ln_evidence)
         };
-        nodes.par_iter().map(of_node).collect()
+        known.par_iter_mut().map(of_node).collect()
     }
 
     /// A law to begin with, for a margin at 1 m (dB).
@@ -187,37 +207,57 @@ impl SectorSurvey<'_> {
         PatternLaw::guess(margin_db, self.scene.least_link_db, self.scene.map.sectors())
     }
 
+    /// A law that shares the names of `guess`, with how likely it makes what is known.
+    fn tried(
+        &self,
+        guess: &Likelihoods,
+        law: PatternLaw,
+        known: &mut [KnownNode],
+        look: Look,
+    ) -> FirstLaw {
+        let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), known, look);
+        FirstLaw { law, value: of_nodes.iter().sum(), of_nodes }
+    }
+
+    /// The likeliest of some laws that share the names of `guess`. A rough look says which few are worth a whole one.
+    fn likeliest(
+        &self,
+        guess: &Likelihoods,
+        laws: impl Iterator<Item = PatternLaw>,
+        known: &mut [KnownNode],
+    ) -> FirstLaw {
+        let mut rough: Vec<FirstLaw> = laws.map(|law| self.tried(guess, law, known, Look::Rough)).collect();
+        rough.sort_by(|one, other| other.value.total_cmp(&one.value));
+        rough.truncate(WHOLE_LOOKS);
+        let whole = rough.into_iter().map(|first| self.tried(guess, first.law, known, Look::Whole));
+        whole.reduce(FirstLaw::or_likelier).expect("there is a law")
+    }
+
     /// The law to begin with: the margin and the yaw under which some nodes are the likeliest.
     fn first(&self, nodes: &[(NodeId, SearchBox)], watch: &dyn Watch) -> Result<PatternLaw, MapError> {
         let usual_db = 20.0 * libm::log10(self.scene.reach_m) - self.scene.map.usual_dbi();
-        let guess = Likelihoods::new(self.guess(usual_db), &self.scene.map);
-        let try_law = |law: PatternLaw, best: &mut FirstLaw| {
-            let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), nodes);
-            let value = of_nodes.iter().sum();
-            if value > best.value {
-                *best = FirstLaw { law, value, of_nodes };
-            }
-            watch.check()
-        };
-        let mut best = FirstLaw { law: guess.law.clone(), value: f64::NEG_INFINITY, of_nodes: Vec::new() };
-        for off_db in MARGINS_DB {
-            try_law(self.guess(usual_db + off_db), &mut best)?;
-        }
-        let mut turned = best.clone();
-        for at in 1..YAWS {
+        let widest_db = MARGINS_DB.into_iter().fold(0.0, f64::max);
+        let guess = Likelihoods::new(self.guess(usual_db + widest_db), &self.scene.map);
+        let margins = MARGINS_DB.map(|off_db| self.guess(usual_db + off_db));
+        let best = self.likeliest(&guess, margins.into_iter(), &mut self.known(nodes, guess.reach_m));
+        watch.check()?;
+        let of_yaw = |yaw_rad: f64| PatternLaw { yaw_rad, ..best.law.clone() };
+        let mut known = self.known(nodes, guess.of_other(best.law.clone(), &self.scene.map).reach_m);
+        let yaws = (0..YAWS).map(|at| {
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
-            let yaw_rad = if turn_rad > PI { turn_rad - TAU } else { turn_rad };
-            try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
-        }
+            of_yaw(if turn_rad > PI { turn_rad - TAU } else { turn_rad })
+        });
+        let mut turned = self.likeliest(&guess, yaws, &mut known);
+        watch.check()?;
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
-            let middle_rad = turned.law.yaw_rad;
-            for yaw_rad in [middle_rad - half_rad, middle_rad + half_rad] {
-                try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
+            for yaw_rad in [-half_rad, half_rad].map(|turn_rad| turned.law.yaw_rad + turn_rad) {
+                turned = turned.or_likelier(self.tried(&guess, of_yaw(yaw_rad), &mut known, Look::Whole));
             }
             half_rad *= 0.5;
         }
+        watch.check()?;
         Ok(if turned.agreed_beyond(&best) > TURNED { turned.law } else { best.law })
     }
 
@@ -225,11 +265,9 @@ impl SectorSurvey<'_> {
     /// fast at the yaw of the round before that the antenna would not turn without them.
     fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
-        let turned = |yaw_rad: f64| {
-            let turned = likelihoods.of_other(PatternLaw { yaw_rad, ..law.clone() }, &self.scene.map);
-            self.ln_evidence(&turned, nodes).iter().sum()
-        };
-        naming::highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
+        let mut known = self.known(nodes, likelihoods.reach_m);
+        let turned = |yaw_rad: f64| self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut known, Look::Whole).value;
+        naming::highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
 
     /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.
@@ -256,7 +294,7 @@ impl SectorSurvey<'_> {
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
             let (mut trials, mut namings) = (Trials::default(), Vec::new());
-            let finest = likelihoods.blurred(&self.scene.map, 0.0);
+            let finest = likelihoods.blurred(&self.scene.map, Blur::NONE);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
                 let whole_weight = 1.0 / sample.len().max(1) as f64;

@@ -23,7 +23,7 @@ const CORNERS: usize = CELLS + 1;
 /// Cells of the horizon for each of the octahedral map: 0.18 degrees.
 const FINER: usize = 8;
 /// Cells of the horizon.
-const ROUND: usize = 2 * CELLS * FINER;
+pub(super) const ROUND: usize = 2 * CELLS * FINER;
 /// How often a node names any sector.
 pub(super) const ANY: f64 = 0.02;
 /// Least gain in a table (dBi): none at all.
@@ -111,6 +111,12 @@ impl Directions {
 }
 
 impl GainCell {
+    /// Corners along the horizon.
+    #[inline]
+    pub(super) fn along(self) -> f64 {
+        self.corner as f64 + self.right
+    }
+
     /// The value of a column, interpolated between the corners.
     #[inline]
     fn value(self, values: &[f32], columns: usize, column: usize) -> f64 {
@@ -169,6 +175,11 @@ impl GainMap {
     #[inline]
     pub(super) fn gain_dbi(&self, cell: GainCell, sector: usize) -> f64 {
         cell.value(&self.gains_dbi, self.sectors, sector)
+    }
+
+    /// The gains of all sectors at a corner (dBi).
+    pub(super) fn gains_at(&self, corner: usize) -> &[f32] {
+        &self.gains_dbi[corner * self.sectors..(corner + 1) * self.sectors]
     }
 
     /// What nodes in each direction hear and name under `law`: means over so many corners on each side of a direction.

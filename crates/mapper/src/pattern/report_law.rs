@@ -6,6 +6,7 @@
 //! than its gain says, and hardly weaker. A sector that is absent was too weak, or its frame was lost. And the straight way of
 //! some reports is blocked: these tell nothing of the direction.
 
+use super::report_views::ReportViews;
 use crate::numerics::normal::{below, density};
 
 /// Residuals in a table, from the least to the greatest (dB), and their number in a decibel.
@@ -23,6 +24,10 @@ const ROUGH_DB: f64 = 1.5;
 /// How often the strength of a sector is any, over so many decibels.
 const ODD: f64 = 0.01;
 const ODD_WIDTH_DB: f64 = 60.0;
+/// The strength of the straight way that the strongest sector tells counts as so many sectors.
+const FIRM: f64 = 0.01;
+/// A share of less than this (logarithm) is nothing.
+const NOTHING: f64 = -36.0;
 
 /// The law of what nodes report of sectors, beside the noise and the ripple of the antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +85,17 @@ pub(super) struct ReportTables {
     absent: Vec<f32>,
 }
 
+/// What a report says of a direction, before the strength of the straight way is expected anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReportView {
+    /// The log-likelihood if the straight way is open and has the strength that it is expected to have.
+    pub(super) ln: f64,
+    /// The strength of the straight way at the node, without gain, as the report says (dB).
+    pub(super) level_db: f64,
+    /// Inverse of the variance of this strength round the expected one (per dB²).
+    pub(super) precision: f64,
+}
+
 /// What a report says of a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReportFit {
@@ -97,13 +113,20 @@ pub(super) struct Report {
     pub(super) absent: Vec<usize>,
     /// Sectors of less strength are absent (dB).
     pub(super) least_db: f64,
+    pub(super) views: ReportViews,
 }
 
-/// Where the strength of the straight way is expected (dB), and with what standard deviation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ExpectedLevel {
-    pub(super) level_db: f64,
-    pub(super) sigma_db: f64,
+impl ReportView {
+    /// How the report fits a straight way whose strength is expected here (dB), with the variance of [`ReportTables::view`].
+    #[inline]
+    pub(super) fn fit(self, expected_db: f64, variance: f64) -> ReportFit {
+        let off = self.level_db - expected_db;
+        let by_report = 1.0 - self.precision * variance;
+        ReportFit {
+            ln_open: self.ln - 0.5 * self.precision * off * off,
+            level_db: self.level_db - by_report * off,
+        }
+    }
 }
 
 impl Report {
@@ -152,50 +175,52 @@ impl ReportTables {
         [0, 1].map(|i| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i])))
     }
 
-    /// How a report fits these `gains` of all sectors, with their ripple.
-    pub(super) fn fit(&self, report: &Report, gains: &[f64], expected: ExpectedLevel) -> ReportFit {
+    /// What a report says of a direction with these `gains` of all sectors, with their ripple. The strength of the straight way
+    /// has this variance round the expected one (dB²).
+    pub(super) fn view(&self, report: &Report, gains: &[f64], variance: f64) -> ReportView {
         let top = report.present.iter().fold((f64::NEG_INFINITY, 0.0), |top, &(sector, snr_db)| {
             if gains[sector] > top.0 { (gains[sector], snr_db - gains[sector]) } else { top }
         });
         let mut level_db = top.1;
         let of_noise = 1.0 / (self.noise_db * self.noise_db);
-        let of_expected = 1.0 / (expected.sigma_db * expected.sigma_db);
-        let mut precision = of_expected;
+        let mut precision = 0.0;
         for _ in 0..if self.noise_db > ROUGH_DB { 1 } else { 2 } {
-            let (mut sum, mut weight) = (of_expected * expected.level_db, of_expected);
+            let (mut sum, mut weight) = (0.0, 0.0);
             for &(sector, snr_db) in &report.present {
                 let gain_db = gains[sector];
                 let [_, core] = self.at(snr_db - level_db - gain_db, gain_db);
-                sum += of_noise * core * (snr_db - gain_db);
-                weight += of_noise * core;
+                sum += core * (snr_db - gain_db);
+                weight += core;
             }
-            (level_db, precision) = (sum / weight, weight);
+            // The strongest sector alone tells the level where no other one agrees.
+            (level_db, precision) = ((sum + FIRM * level_db) / (weight + FIRM), of_noise * (weight + FIRM));
         }
-        let mut ln_open = 0.0;
+        let mut ln = 0.0;
         for &(sector, snr_db) in &report.present {
-            ln_open += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
+            ln += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
         }
         let over_db = report.least_db - level_db;
         for &sector in &report.absent {
             let along = ((over_db - gains[sector] + ABSENT_DB) * PER_DB).clamp(0.0, (self.absent.len() - 1) as f64);
-            ln_open += f64::from(self.absent[crate::numerics::whole(along)]);
+            ln += f64::from(self.absent[crate::numerics::whole(along)]);
         }
         // None of the absent sectors has an addition that would be heard.
         let share = self.law.added_share;
         let quiet = below((over_db - self.law.added_db) / self.law.added_sigma_db);
-        ln_open += report.absent.len() as f64 * libm::log((1.0 - share + share * quiet).max(1e-3));
-        let off = (level_db - expected.level_db) / expected.sigma_db;
-        ln_open -= 0.5 * off * off + libm::log(expected.sigma_db) + 0.5 * libm::log(precision);
-        ReportFit { ln_open, level_db }
+        ln += report.absent.len() as f64 * libm::log((1.0 - share + share * quiet).max(1e-3));
+        ln -= 0.5 * libm::log(1.0 + precision * variance);
+        ReportView { ln, level_db, precision: 1.0 / (variance + 1.0 / precision) }
     }
 
     /// The log-likelihood of a report that fits like this, whose straight way may be blocked, and the probability that it is not.
     pub(super) fn mixed(&self, ln_open: f64, ln_blocked: f64) -> [f64; 2] {
         let open = libm::log(1.0 - self.law.blocked_share) + ln_open;
         let blocked = libm::log(self.law.blocked_share) + ln_blocked;
-        let top = open.max(blocked);
-        let sum = libm::exp(open - top) + libm::exp(blocked - top);
-        [top + libm::log(sum), libm::exp(open - top) / sum]
+        let less = -(open - blocked).abs();
+        // The smaller share is nothing in most places.
+        let smaller = if less < NOTHING { 0.0 } else { libm::exp(less) };
+        let share = if open > blocked { 1.0 } else { smaller } / (1.0 + smaller);
+        [open.max(blocked) + if smaller > 0.0 { libm::log1p(smaller) } else { 0.0 }, share]
     }
 }
 
