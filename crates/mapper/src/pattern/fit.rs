@@ -1,20 +1,19 @@
 //! The law of a log, with the places of its nodes integrated out.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::blur::Blur;
-use super::evidence::{Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
-use super::gain_map::{GainMap, Names};
+use super::evidence::{LawTables, Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
+use super::gain_map::GainMap;
 use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
 use super::naming::{self, TURN_RAD, TurnOfRound};
 use super::places::{self, CellPosterior, Look};
-use super::report_law::ReportTables;
 use super::scene::AntennaScene;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
@@ -41,8 +40,8 @@ const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
 /// Of these, so many are looked at closely.
 const WHOLE_LOOKS: usize = 3;
-/// Laws that are looked at closely at first, at most: of the margins, of the yaws, and smaller turns.
-const FIRST_LAWS: f64 = 12.0;
+/// Laws that are tried at first, at most: margins, yaws, and smaller turns.
+const FIRST_LAWS: f64 = 40.0;
 /// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm), where a node counts
 /// for or against it by so much at most: three nodes at least must agree.
 const TURNED: f64 = 10.0;
@@ -109,7 +108,7 @@ impl FirstLaw {
 pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
-    names: Arc<[OnceLock<(Names, ReportTables)>; Blur::COUNT]>,
+    of_law: Arc<[LawTables; Blur::COUNT]>,
     tables: Arc<PatternTables>,
     reach_m: f64,
 }
@@ -118,22 +117,18 @@ impl Likelihoods {
     pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, names: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
+        Self { law, of_law: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
     }
 
     /// Those of a law with the same noise and ripple.
     fn of_other(&self, law: PatternLaw, map: &GainMap) -> Self {
         let reach_m = law.reach_m(map.greatest_dbi());
-        Self { law, names: Arc::clone(&self.names), tables: Arc::clone(&self.tables), reach_m }
+        Self { law, of_law: Arc::clone(&self.of_law), tables: Arc::clone(&self.tables), reach_m }
     }
 
     /// The likelihood with a blur.
     pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, blur: Blur) -> PatternLikelihood<'a> {
-        let (names, reports) = self.names[blur.level()].get_or_init(|| {
-            let noise_db = libm::hypot(self.law.noise_db, blur.extra_db());
-            (map.names(&self.law, blur.radius()), ReportTables::new(&self.law.reports, noise_db))
-        });
-        PatternLikelihood::new(&self.law, map, (names, reports), blur, &self.tables)
+        PatternLikelihood::new(&self.law, map, &self.of_law[blur.level()], blur, &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -208,13 +203,7 @@ impl SectorSurvey<'_> {
     }
 
     /// A law that shares the names of `guess`, with how likely it makes what is known.
-    fn tried(
-        &self,
-        guess: &Likelihoods,
-        law: PatternLaw,
-        known: &mut [KnownNode],
-        look: Look,
-    ) -> FirstLaw {
+    fn tried(&self, guess: &Likelihoods, law: PatternLaw, known: &mut [KnownNode], look: Look) -> FirstLaw {
         let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), known, look);
         FirstLaw { law, value: of_nodes.iter().sum(), of_nodes }
     }
@@ -266,7 +255,9 @@ impl SectorSurvey<'_> {
     fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
         let mut known = self.known(nodes, likelihoods.reach_m);
-        let turned = |yaw_rad: f64| self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut known, Look::Whole).value;
+        let turned = |yaw_rad: f64| {
+            self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut known, Look::Whole).value
+        };
         naming::highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
 
@@ -310,12 +301,12 @@ impl SectorSurvey<'_> {
                             }
                             SectorsHeard::Reported(report) => {
                                 let fit = finest.report(report, sight.cell, decades);
-                                let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                                let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
                                 (Some(fit.level_db), open)
                             }
                         };
                         // A link of known strength was strong enough.
-                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.names.top_dbi(sight.cell) };
+                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.top_dbi(sight.cell) };
                         trials.packets.push(PacketTrial {
                             gain_db,
                             decades,
@@ -337,7 +328,7 @@ impl SectorSurvey<'_> {
                     if let SectorsHeard::Reported(report) = &listener.heard {
                         let sight = finest.sight(likeliest, &listener.pose);
                         let fit = finest.report(report, sight.cell, likelihoods.tables.decades.of_root(sight.square));
-                        let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                        let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
                         let (robot, heard, level_db) = (listener.pose, &listener.heard, fit.level_db);
                         namings.push(Naming {
                             place: likeliest,

@@ -47,3 +47,30 @@ impl ReportViews {
 fn single(value: f64) -> f32 {
     value as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_is_made_once_and_read_between_corners() {
+        let (views, made) = (ReportViews::default(), Cell::new(0));
+        let at = |blur: Blur, along: f64| {
+            views.at(blur, along, |corner| {
+                made.set(made.get() + 1);
+                ReportView { ln: -(corner as f64), level_db: 0.5 * corner as f64, precision: 1.0 }
+            })
+        };
+        for along in [100.0, 100.25, 100.75] {
+            let ReportView { ln, level_db, precision } = at(Blur::NONE, along);
+            let off = (ln + along).abs() + (level_db - 0.5 * along).abs() + (precision - 1.0).abs();
+            assert!(off < 1e-9, "{ln}, {level_db} dB, {precision}");
+        }
+        assert_eq!(made.get(), 2);
+        // A blurred one has corners of its own, up to the last.
+        let rough = Blur::of_angle(1.0);
+        let end = at(rough, ROUND as f64);
+        assert!((end.ln + ROUND as f64).abs() < 1e-9 && (at(rough, 8.0).ln + 8.0).abs() < 1e-9, "{end:?}");
+        assert_eq!(made.get(), 6);
+    }
+}
