@@ -6,7 +6,7 @@
 //! than its gain says, and hardly weaker. A sector that is absent was too weak, or its frame was lost. And the straight way of
 //! some reports is blocked: these tell nothing of the direction.
 
-use sextant_kernel::maths::ln;
+use sextant_kernel::maths::{exp, ln};
 
 use super::report_views::ReportViews;
 use crate::numerics::normal::{below, density};
@@ -28,8 +28,6 @@ const ODD: f64 = 0.01;
 const ODD_WIDTH_DB: f64 = 60.0;
 /// The strength of the straight way that the strongest sector tells counts as so many sectors.
 const FIRM: f64 = 0.01;
-/// A share of less than this (logarithm) is nothing.
-const NOTHING: f64 = -36.0;
 
 /// The law of what nodes report of sectors, beside the noise and the ripple of the antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,13 +57,11 @@ impl ReportLaw {
 
     /// The log-likelihood of a report that fits like this, whose straight way may be blocked, and the probability that it is not.
     pub(super) fn mixed(&self, ln_open: f64, ln_blocked: f64) -> [f64; 2] {
-        let open = libm::log(1.0 - self.blocked_share) + ln_open;
-        let blocked = libm::log(self.blocked_share) + ln_blocked;
-        let less = -(open - blocked).abs();
-        // The smaller share is nothing in most places.
-        let smaller = if less < NOTHING { 0.0 } else { libm::exp(less) };
+        let open = ln(1.0 - self.blocked_share) + ln_open;
+        let blocked = ln(self.blocked_share) + ln_blocked;
+        let smaller = exp(-(open - blocked).abs());
         let share = if open > blocked { 1.0 } else { smaller } / (1.0 + smaller);
-        [open.max(blocked) + if smaller > 0.0 { libm::log1p(smaller) } else { 0.0 }, share]
+        [open.max(blocked) + ln(1.0 + smaller), share]
     }
 
     /// The densities of a residual (per dB): without an addition that is seen, with one, and of any strength. The noise has this
@@ -210,7 +206,8 @@ impl ReportTables {
         let place = crate::numerics::whole(row) * self.residuals + column;
         let (low, high) = (self.values[place], self.values[place + 1]);
         let share = along - column as f64;
-        [0, 1].map(|i| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i])))
+        let between = |i: usize| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i]));
+        [between(0), between(1)]
     }
 
     /// What a report says of a direction with these `gains` of all sectors, with their ripple. The strength of the straight way

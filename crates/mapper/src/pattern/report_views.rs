@@ -37,9 +37,8 @@ impl ReportViews {
             views[at].get()
         };
         let (low, high, share) = (of(first), of(first + 1), along - first as f64);
-        let [ln, level_db, precision] =
-            [0, 1, 2].map(|i| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i])));
-        ReportView { ln, level_db, precision }
+        let between = |i: usize| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i]));
+        ReportView { ln: between(0), level_db: between(1), precision: between(2) }
     }
 }
 
