@@ -86,8 +86,8 @@ struct FirstLaw {
     of_nodes: Vec<f64>,
 }
 
-/// A node with what the log says of it. It keeps what its reports say of directions from law to law.
-struct KnownNode {
+/// A node with what the log says of it, and its box. It keeps what its reports say of directions from law to law.
+struct NodeInBox {
     evidence: PatternEvidence,
     within: SearchBox,
 }
@@ -183,18 +183,18 @@ impl SectorSurvey<'_> {
         Work { name, unit: "round", steps: ROUNDS.into(), operations: self.operations(FIRST_LAWS * some + each) }
     }
 
-    /// Some nodes, for laws by which nodes are heard over so many metres at most.
-    fn known(&self, nodes: &[(NodeId, SearchBox)], reach_m: f64) -> Vec<KnownNode> {
-        nodes.iter().map(|node| KnownNode { evidence: self.evidence(node, reach_m), within: node.1 }).collect()
+    /// Some nodes in their boxes, for laws by which nodes are heard over so many metres at most.
+    fn in_boxes(&self, nodes: &[(NodeId, SearchBox)], reach_m: f64) -> Vec<NodeInBox> {
+        nodes.iter().map(|node| NodeInBox { evidence: self.evidence(node, reach_m), within: node.1 }).collect()
     }
 
     /// The logarithm of the probability of what the log says of each of some nodes, over all its places.
-    fn ln_evidence(&self, likelihoods: &Likelihoods, known: &mut [KnownNode], look: Look) -> Vec<f64> {
-        let of_node = |KnownNode { evidence, within }: &mut KnownNode| {
+    fn ln_evidence(&self, likelihoods: &Likelihoods, in_boxes: &mut [NodeInBox], look: Look) -> Vec<f64> {
+        let of_node = |NodeInBox { evidence, within }: &mut NodeInBox| {
             let found = likelihoods.posterior(self.scene, evidence, within, (2.0 * self.step_m(), look));
             found.map_or(0.0, |found| found.ln_evidence)
         };
-        known.par_iter_mut().map(of_node).collect()
+        in_boxes.par_iter_mut().map(of_node).collect()
     }
 
     /// A law to begin with, for a margin at 1 m (dB).
@@ -202,9 +202,9 @@ impl SectorSurvey<'_> {
         PatternLaw::guess(margin_db, self.scene.least_link_db, self.scene.map.sectors())
     }
 
-    /// A law that shares the names of `guess`, with how likely it makes what is known.
-    fn tried(&self, guess: &Likelihoods, law: PatternLaw, known: &mut [KnownNode], look: Look) -> FirstLaw {
-        let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), known, look);
+    /// A law that shares the names of `guess`, with how likely it makes what the log says of some nodes.
+    fn tried(&self, guess: &Likelihoods, law: PatternLaw, in_boxes: &mut [NodeInBox], look: Look) -> FirstLaw {
+        let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), in_boxes, look);
         FirstLaw { law, value: of_nodes.iter().sum(), of_nodes }
     }
 
@@ -213,12 +213,12 @@ impl SectorSurvey<'_> {
         &self,
         guess: &Likelihoods,
         laws: impl Iterator<Item = PatternLaw>,
-        known: &mut [KnownNode],
+        in_boxes: &mut [NodeInBox],
     ) -> FirstLaw {
-        let mut rough: Vec<FirstLaw> = laws.map(|law| self.tried(guess, law, known, Look::Rough)).collect();
+        let mut rough: Vec<FirstLaw> = laws.map(|law| self.tried(guess, law, in_boxes, Look::Rough)).collect();
         rough.sort_by(|one, other| other.value.total_cmp(&one.value));
         rough.truncate(WHOLE_LOOKS);
-        let whole = rough.into_iter().map(|first| self.tried(guess, first.law, known, Look::Whole));
+        let whole = rough.into_iter().map(|first| self.tried(guess, first.law, in_boxes, Look::Whole));
         whole.reduce(FirstLaw::or_likelier).expect("there is a law")
     }
 
@@ -228,21 +228,21 @@ impl SectorSurvey<'_> {
         let widest_db = MARGINS_DB.into_iter().fold(0.0, f64::max);
         let guess = Likelihoods::new(self.guess(usual_db + widest_db), &self.scene.map);
         let margins = MARGINS_DB.map(|off_db| self.guess(usual_db + off_db));
-        let best = self.likeliest(&guess, margins.into_iter(), &mut self.known(nodes, guess.reach_m));
+        let best = self.likeliest(&guess, margins.into_iter(), &mut self.in_boxes(nodes, guess.reach_m));
         watch.check()?;
         let of_yaw = |yaw_rad: f64| PatternLaw { yaw_rad, ..best.law.clone() };
-        let mut known = self.known(nodes, guess.of_other(best.law.clone(), &self.scene.map).reach_m);
+        let mut in_boxes = self.in_boxes(nodes, guess.of_other(best.law.clone(), &self.scene.map).reach_m);
         let yaws = (0..YAWS).map(|at| {
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
             of_yaw(if turn_rad > PI { turn_rad - TAU } else { turn_rad })
         });
-        let mut turned = self.likeliest(&guess, yaws, &mut known);
+        let mut turned = self.likeliest(&guess, yaws, &mut in_boxes);
         watch.check()?;
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
             for yaw_rad in [-half_rad, half_rad].map(|turn_rad| turned.law.yaw_rad + turn_rad) {
-                turned = turned.or_likelier(self.tried(&guess, of_yaw(yaw_rad), &mut known, Look::Whole));
+                turned = turned.or_likelier(self.tried(&guess, of_yaw(yaw_rad), &mut in_boxes, Look::Whole));
             }
             half_rad *= 0.5;
         }
@@ -254,9 +254,9 @@ impl SectorSurvey<'_> {
     /// fast at the yaw of the round before that the antenna would not turn without them.
     fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
-        let mut known = self.known(nodes, likelihoods.reach_m);
+        let mut in_boxes = self.in_boxes(nodes, likelihoods.reach_m);
         let turned = |yaw_rad: f64| {
-            self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut known, Look::Whole).value
+            self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut in_boxes, Look::Whole).value
         };
         naming::highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
