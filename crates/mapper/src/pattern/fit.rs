@@ -80,16 +80,11 @@ pub(super) struct FoundPattern {
 }
 
 /// A law that was tried at first, with the logarithm of the probability of what the log says: of all nodes, and of each.
+#[derive(Clone)]
 struct FirstLaw {
     law: PatternLaw,
     value: f64,
     of_nodes: Vec<f64>,
-}
-
-/// A node with what the log says of it, and its box. It keeps what its reports say of directions from law to law.
-struct NodeInBox {
-    evidence: PatternEvidence,
-    within: SearchBox,
 }
 
 impl FirstLaw {
@@ -102,6 +97,12 @@ impl FirstLaw {
     fn agreed_beyond(&self, other: &Self) -> f64 {
         self.of_nodes.iter().zip(&other.of_nodes).map(|(one, other)| (one - other).clamp(-OF_NODE, OF_NODE)).sum()
     }
+}
+
+/// A node with what the log says of it, and its box. It keeps what its reports say of directions from law to law.
+struct NodeInBox {
+    evidence: PatternEvidence,
+    within: SearchBox,
 }
 
 /// The likelihoods of a law, from the roughest to the finest, which is not blurred.
@@ -230,13 +231,15 @@ impl SectorSurvey<'_> {
         let margins = MARGINS_DB.map(|off_db| self.guess(usual_db + off_db));
         let best = self.likeliest(&guess, margins.into_iter(), &mut self.in_boxes(nodes, guess.reach_m));
         watch.check()?;
-        let of_yaw = |yaw_rad: f64| PatternLaw { yaw_rad, ..best.law.clone() };
         let mut in_boxes = self.in_boxes(nodes, guess.of_other(best.law.clone(), &self.scene.map).reach_m);
-        let yaws = (0..YAWS).map(|at| {
+        // Once more with the stops that all turns are judged by.
+        let best = self.tried(&guess, best.law, &mut in_boxes, Look::Whole);
+        let of_yaw = |yaw_rad: f64| PatternLaw { yaw_rad, ..best.law.clone() };
+        let yaws = (1..YAWS).map(|at| {
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
             of_yaw(if turn_rad > PI { turn_rad - TAU } else { turn_rad })
         });
-        let mut turned = self.likeliest(&guess, yaws, &mut in_boxes);
+        let mut turned = best.clone().or_likelier(self.likeliest(&guess, yaws, &mut in_boxes));
         watch.check()?;
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
