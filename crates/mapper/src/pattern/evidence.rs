@@ -1,11 +1,14 @@
 //! What the log says of one node, and how likely a place is under a law.
 
+use std::sync::OnceLock;
+
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
-use super::gain_map::{Directions, GainCell, GainMap, Names};
+use super::blur::Blur;
+use super::gain_map::{Directions, GainCell, GainMap, Names, Tops};
 use super::law::PatternLaw;
-use super::report_law::{ExpectedLevel, Report, ReportFit, ReportTables};
+use super::report_law::{Report, ReportFit, ReportTables, ReportView};
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::decades::Decades;
 use crate::numerics::normal::{Normal, density};
@@ -163,7 +166,7 @@ fn heard(log: &ReceptionLog, node: NodeId, entry: Option<&Reception>, columns: &
     if !present.is_empty() {
         let is_absent = |sector: &usize| present.iter().all(|(other, _)| other != sector);
         let absent = (0..columns.count).filter(is_absent).collect();
-        return SectorsHeard::Reported(Report { present, absent, least_db: columns.least_db });
+        return SectorsHeard::Reported(Report::new(present, absent, columns.least_db));
     }
     let named = |sector| SectorsHeard::Named(sector, entry.snr_db);
     entry.sector.and_then(column).map_or(SectorsHeard::Nothing, named)
@@ -182,14 +185,24 @@ impl PatternTables {
     }
 }
 
+/// What likelihoods of a law with a blur read, each made when it is first read. What makes one must not wait for other threads:
+/// these may wait for it.
+#[derive(Debug, Default)]
+pub(super) struct LawTables {
+    tops: OnceLock<Tops>,
+    names: OnceLock<Names>,
+    reports: OnceLock<ReportTables>,
+}
+
 /// A law, ready to be asked for likelihoods.
 pub(super) struct PatternLikelihood<'a> {
     pub(super) law: &'a PatternLaw,
     pub(super) map: &'a GainMap,
-    pub(super) names: &'a Names,
-    pub(super) reports: &'a ReportTables,
-    /// How much rougher it is than the law says (dB).
-    blur_db: f64,
+    of_law: &'a LawTables,
+    /// How much rougher it is than the law says.
+    blur: Blur,
+    /// Variance of the strength of a link that a distance does not tell (dB²).
+    variance: f64,
     tables: &'a PatternTables,
     turn: Turn,
 }
@@ -252,21 +265,22 @@ impl Sight {
 }
 
 impl<'a> PatternLikelihood<'a> {
-    /// The likelihood with strengths that have an error of `blur_db` more. `names` and `reports` are those of the same.
+    /// The likelihood with a blur. `of_law` are the tables of the same.
     pub(super) fn new(
         law: &'a PatternLaw,
         map: &'a GainMap,
-        (names, reports): (&'a Names, &'a ReportTables),
-        blur_db: f64,
+        of_law: &'a LawTables,
+        blur: Blur,
         tables: &'a PatternTables,
     ) -> Self {
         let turn = Turn::by(law.yaw_rad);
-        Self { law, map, names, reports, blur_db, tables, turn }
+        let variance = law.sigma_db * law.sigma_db + blur.extra_db() * blur.extra_db();
+        Self { law, map, of_law, blur, variance, tables, turn }
     }
 
     /// Whether it is not blurred.
     pub(super) fn is_sharp(&self) -> bool {
-        self.blur_db <= 0.0
+        self.blur == Blur::NONE
     }
 
     /// How a place is seen by a robot.
@@ -275,20 +289,49 @@ impl<'a> PatternLikelihood<'a> {
         Sight::of(place, robot, self.turn, self.map.directions())
     }
 
-    /// Where the strength of the straight way is expected over so many decades of a metre.
-    fn expected(&self, decades: f64) -> ExpectedLevel {
-        let level_db = self.law.level_db - 10.0 * self.law.exponent * decades;
-        ExpectedLevel { level_db, sigma_db: libm::hypot(self.law.sigma_db, self.blur_db) }
+    /// The greatest gain of all sectors (dBi).
+    #[inline]
+    pub(super) fn top_dbi(&self, cell: GainCell) -> f64 {
+        self.of_law.tops.get_or_init(|| self.map.tops(self.law, self.blur.radius())).dbi(cell)
+    }
+
+    fn names(&self) -> &Names {
+        self.of_law.names.get_or_init(|| self.map.names(self.law, self.blur.radius()))
+    }
+
+    fn reports(&self) -> &ReportTables {
+        self.of_law.reports.get_or_init(|| {
+            ReportTables::new(&self.law.reports, libm::hypot(self.law.noise_db, self.blur.extra_db()))
+        })
+    }
+
+    /// Strength of the straight way that is expected over so many decades of a metre (dB).
+    #[inline]
+    fn expected_db(&self, decades: f64) -> f64 {
+        self.law.level_db - 10.0 * self.law.exponent * decades
     }
 
     /// How a report fits a direction over so many decades of a metre.
+    #[inline]
     pub(super) fn report(&self, report: &Report, cell: GainCell, decades: f64) -> ReportFit {
+        let view = match self.map.directions() {
+            Directions::Horizon => report.views.at(self.blur, cell.along(), |corner| {
+                let gains = self.map.gains_at(corner);
+                self.view(report, |sector| f64::from(gains[sector]))
+            }),
+            Directions::Sphere => self.view(report, |sector| self.map.gain_dbi(cell, sector)),
+        };
+        view.fit(self.expected_db(decades), self.variance)
+    }
+
+    /// What a report says of a direction in which the pattern has these gains (dBi).
+    fn view(&self, report: &Report, gain_dbi: impl Fn(usize) -> f64) -> ReportView {
         let mut gains = [0.0; 256];
         let gains = &mut gains[..self.map.sectors()];
-        for (sector, gain) in gains.iter_mut().enumerate() {
-            *gain = self.map.gain_dbi(cell, sector) + self.law.ripple_db[sector];
+        for (sector, (gain, ripple)) in gains.iter_mut().zip(&self.law.ripple_db).enumerate() {
+            *gain = gain_dbi(sector) + ripple;
         }
-        self.reports.fit(report, gains, self.expected(decades))
+        self.reports().view(report, gains, self.variance)
     }
 
     /// The strength of the straight way without gain, if a named sector had this one (dB).
@@ -298,9 +341,8 @@ impl<'a> PatternLikelihood<'a> {
 
     /// The log-likelihood of the strength of a named sector.
     fn ln_strength(&self, sector: usize, snr_db: f64, cell: GainCell, decades: f64) -> f64 {
-        let expected = self.expected(decades);
-        let sigma_db = libm::hypot(expected.sigma_db, self.law.noise_db);
-        let off = (self.level_of_name(sector, snr_db, cell) - expected.level_db) / sigma_db;
+        let sigma_db = (self.variance + self.law.noise_db * self.law.noise_db).sqrt();
+        let off = (self.level_of_name(sector, snr_db, cell) - self.expected_db(decades)) / sigma_db;
         libm::log((1.0 - ODD) * density(off) / sigma_db + ODD / ODD_WIDTH_DB)
     }
 
@@ -315,11 +357,11 @@ impl<'a> PatternLikelihood<'a> {
                 SectorsHeard::Reported(report) => {
                     let ReportFit { ln_open, .. } = self.report(report, sight.cell, decades);
                     let told = TOLD / (report.present.len() as f64 + UNTOLD);
-                    sum += self.reports.mixed(ln_open, report.ln_blocked())[0] * told.min(1.0);
+                    sum += self.law.reports.mixed(ln_open, report.ln_blocked)[0] * told.min(1.0);
                     continue;
                 }
                 SectorsHeard::Named(sector, snr_db) => {
-                    sum += self.names.ln_probability(sight.cell, *sector);
+                    sum += self.names().ln_probability(sight.cell, *sector);
                     if let &Some(snr_db) = snr_db {
                         sum += self.ln_strength(*sector, snr_db, sight.cell, decades);
                         continue;
@@ -327,7 +369,7 @@ impl<'a> PatternLikelihood<'a> {
                 }
                 SectorsHeard::Nothing => {}
             }
-            let s = self.law.heard(&self.tables.normal, self.names.top_dbi(sight.cell), decades);
+            let s = self.law.heard(&self.tables.normal, self.top_dbi(sight.cell), decades);
             product *= match (listener.received, listener.missed) {
                 (1, 0) => s,
                 (0, 1) => 1.0 - s,

@@ -1,29 +1,25 @@
 //! The law of a log, with the places of its nodes integrated out.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
-use super::evidence::{Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
-use super::gain_map::{CELL_RAD, GainMap, Names};
+use super::blur::Blur;
+use super::evidence::{LawTables, Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
+use super::gain_map::GainMap;
 use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
 use super::naming::{self, TURN_RAD, TurnOfRound};
-use super::places::{self, CellPosterior};
-use super::report_law::ReportTables;
+use super::places::{self, CellPosterior, Look};
 use super::scene::AntennaScene;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
 
-/// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
-const SLOPE_DB: f64 = 40.0;
 /// The distance over which cells are seen, as a share of the reach.
 const SEEN_FROM: f64 = 0.33;
-/// Over how many cells of the map of directions likelihoods are averaged on each side, from the roughest to the finest.
-const RADII: [usize; 5] = [8, 4, 2, 1, 0];
 /// The law is estimated from at most so many nodes, and begun with so many.
 const NODES: usize = 48;
 const FIRST_NODES: usize = 12;
@@ -42,6 +38,8 @@ const SETTLED_OF_REPORTS_DB: f64 = 0.05;
 /// Margins that are tried at first, from the usual one (dB), and so many yaws.
 const MARGINS_DB: [f64; 7] = [0.0, -4.0, 4.0, -8.0, 8.0, -12.0, 12.0];
 const YAWS: u32 = 24;
+/// Of these, so many are looked at closely.
+const WHOLE_LOOKS: usize = 3;
 /// Laws that are tried at first, at most: margins, yaws, and smaller turns.
 const FIRST_LAWS: f64 = 40.0;
 /// An antenna is turned from what the log says only if this makes the log likelier by so much (logarithm), where a node counts
@@ -90,17 +88,28 @@ struct FirstLaw {
 }
 
 impl FirstLaw {
+    /// The likelier of two laws; the first one if both are as likely.
+    fn or_likelier(self, other: Self) -> Self {
+        if other.value > self.value { other } else { self }
+    }
+
     /// By how much the nodes agree that this law is likelier than another one.
     fn agreed_beyond(&self, other: &Self) -> f64 {
         self.of_nodes.iter().zip(&other.of_nodes).map(|(one, other)| (one - other).clamp(-OF_NODE, OF_NODE)).sum()
     }
 }
 
+/// A node with what the log says of it, and its box. It keeps what its reports say of directions from law to law.
+struct NodeInBox {
+    evidence: PatternEvidence,
+    within: SearchBox,
+}
+
 /// The likelihoods of a law, from the roughest to the finest, which is not blurred.
 pub(super) struct Likelihoods {
     law: PatternLaw,
     /// Shared by laws that differ in what names do not depend on.
-    names: Arc<[OnceLock<(Names, ReportTables)>; RADII.len()]>,
+    of_law: Arc<[LawTables; Blur::COUNT]>,
     tables: Arc<PatternTables>,
     reach_m: f64,
 }
@@ -109,53 +118,54 @@ impl Likelihoods {
     pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, names: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
+        Self { law, of_law: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
     }
 
     /// Those of a law with the same noise and ripple.
     fn of_other(&self, law: PatternLaw, map: &GainMap) -> Self {
         let reach_m = law.reach_m(map.greatest_dbi());
-        Self { law, names: Arc::clone(&self.names), tables: Arc::clone(&self.tables), reach_m }
+        Self { law, of_law: Arc::clone(&self.of_law), tables: Arc::clone(&self.tables), reach_m }
     }
 
-    /// The likelihood for cells that a stop sees under this angle on each side of their middle (rad).
-    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, angle: f64) -> PatternLikelihood<'a> {
-        let cells = angle / CELL_RAD;
-        let level = RADII.iter().position(|&radius| radius as f64 <= cells + 0.5).unwrap_or(RADII.len() - 1);
-        let radius = RADII[level];
-        let blur_db = SLOPE_DB * CELL_RAD * radius as f64;
-        let (names, reports) = self.names[level].get_or_init(|| {
-            let noise_db = libm::hypot(self.law.noise_db, blur_db);
-            (map.names(&self.law, radius), ReportTables::new(&self.law.reports, noise_db))
-        });
-        PatternLikelihood::new(&self.law, map, (names, reports), blur_db, &self.tables)
+    /// The likelihood with a blur.
+    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, blur: Blur) -> PatternLikelihood<'a> {
+        PatternLikelihood::new(&self.law, map, &self.of_law[blur.level()], blur, &self.tables)
     }
 
     /// The posterior of a node in a box, with its evidence.
     pub(super) fn places(
         &self,
         survey: &SectorSurvey<'_>,
-        (node, within): &(NodeId, SearchBox),
+        node: &(NodeId, SearchBox),
         step_m: f64,
     ) -> Option<(PatternEvidence, CellPosterior)> {
-        let evidence = PatternEvidence::of(
-            survey.log,
-            *node,
-            within,
-            self.reach_m,
-            &survey.scene.columns,
-            survey.scene.surveyed,
-        );
-        let of_step = |width_m: f64| {
-            let angle = 0.5 * width_m / (SEEN_FROM * survey.scene.reach_m);
-            self.blurred(&survey.scene.map, angle)
-        };
-        let found = places::find(&of_step, &evidence, within, step_m)?;
+        let evidence = survey.evidence(node, self.reach_m);
+        let found = self.posterior(survey.scene, &evidence, &node.1, (step_m, Look::Whole))?;
         Some((evidence, found))
+    }
+
+    /// The posterior of a node of which this is known, in a box.
+    fn posterior(
+        &self,
+        scene: &AntennaScene,
+        evidence: &PatternEvidence,
+        within: &SearchBox,
+        (step_m, look): (f64, Look),
+    ) -> Option<CellPosterior> {
+        let of_step = |width_m: f64| {
+            let angle = 0.5 * width_m / (SEEN_FROM * scene.reach_m);
+            self.blurred(&scene.map, Blur::of_angle(angle))
+        };
+        places::find(&of_step, evidence, within, step_m, look)
     }
 }
 
 impl SectorSurvey<'_> {
+    /// What the log says of a node in a box, for laws by which nodes are heard over so many metres at most.
+    fn evidence(&self, (node, within): &(NodeId, SearchBox), reach_m: f64) -> PatternEvidence {
+        PatternEvidence::of(self.log, *node, within, reach_m, &self.scene.columns, self.scene.surveyed)
+    }
+
     fn step_m(&self) -> f64 {
         self.scene.reach_m / STEPS_PER_REACH
     }
@@ -174,12 +184,18 @@ impl SectorSurvey<'_> {
         Work { name, unit: "round", steps: ROUNDS.into(), operations: self.operations(FIRST_LAWS * some + each) }
     }
 
+    /// Some nodes in their boxes, for laws by which nodes are heard over so many metres at most.
+    fn in_boxes(&self, nodes: &[(NodeId, SearchBox)], reach_m: f64) -> Vec<NodeInBox> {
+        nodes.iter().map(|node| NodeInBox { evidence: self.evidence(node, reach_m), within: node.1 }).collect()
+    }
+
     /// The logarithm of the probability of what the log says of each of some nodes, over all its places.
-    fn ln_evidence(&self, likelihoods: &Likelihoods, nodes: &[(NodeId, SearchBox)]) -> Vec<f64> {
-        let of_node = |node: &(NodeId, SearchBox)| {
-            likelihoods.places(self, node, 2.0 * self.step_m()).map_or(0.0, |(_, found)| found.ln_evidence)
+    fn ln_evidence(&self, likelihoods: &Likelihoods, in_boxes: &mut [NodeInBox], look: Look) -> Vec<f64> {
+        let of_node = |NodeInBox { evidence, within }: &mut NodeInBox| {
+            let found = likelihoods.posterior(self.scene, evidence, within, (2.0 * self.step_m(), look));
+            found.map_or(0.0, |found| found.ln_evidence)
         };
-        nodes.par_iter().map(of_node).collect()
+        in_boxes.par_iter_mut().map(of_node).collect()
     }
 
     /// A law to begin with, for a margin at 1 m (dB).
@@ -187,37 +203,53 @@ impl SectorSurvey<'_> {
         PatternLaw::guess(margin_db, self.scene.least_link_db, self.scene.map.sectors())
     }
 
+    /// A law that shares the names of `guess`, with how likely it makes what the log says of some nodes.
+    fn tried(&self, guess: &Likelihoods, law: PatternLaw, in_boxes: &mut [NodeInBox], look: Look) -> FirstLaw {
+        let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), in_boxes, look);
+        FirstLaw { law, value: of_nodes.iter().sum(), of_nodes }
+    }
+
+    /// The likeliest of some laws that share the names of `guess`. A rough look says which few are worth a whole one.
+    fn likeliest(
+        &self,
+        guess: &Likelihoods,
+        laws: impl Iterator<Item = PatternLaw>,
+        in_boxes: &mut [NodeInBox],
+    ) -> FirstLaw {
+        let mut rough: Vec<FirstLaw> = laws.map(|law| self.tried(guess, law, in_boxes, Look::Rough)).collect();
+        rough.sort_by(|one, other| other.value.total_cmp(&one.value));
+        rough.truncate(WHOLE_LOOKS);
+        let whole = rough.into_iter().map(|first| self.tried(guess, first.law, in_boxes, Look::Whole));
+        whole.reduce(FirstLaw::or_likelier).expect("there is a law")
+    }
+
     /// The law to begin with: the margin and the yaw under which some nodes are the likeliest.
     fn first(&self, nodes: &[(NodeId, SearchBox)], watch: &dyn Watch) -> Result<PatternLaw, MapError> {
         let usual_db = 20.0 * libm::log10(self.scene.reach_m) - self.scene.map.usual_dbi();
-        let guess = Likelihoods::new(self.guess(usual_db), &self.scene.map);
-        let try_law = |law: PatternLaw, best: &mut FirstLaw| {
-            let of_nodes = self.ln_evidence(&guess.of_other(law.clone(), &self.scene.map), nodes);
-            let value = of_nodes.iter().sum();
-            if value > best.value {
-                *best = FirstLaw { law, value, of_nodes };
-            }
-            watch.check()
-        };
-        let mut best = FirstLaw { law: guess.law.clone(), value: f64::NEG_INFINITY, of_nodes: Vec::new() };
-        for off_db in MARGINS_DB {
-            try_law(self.guess(usual_db + off_db), &mut best)?;
-        }
-        let mut turned = best.clone();
-        for at in 1..YAWS {
+        let widest_db = MARGINS_DB.into_iter().fold(0.0, f64::max);
+        let guess = Likelihoods::new(self.guess(usual_db + widest_db), &self.scene.map);
+        let margins = MARGINS_DB.map(|off_db| self.guess(usual_db + off_db));
+        let best = self.likeliest(&guess, margins.into_iter(), &mut self.in_boxes(nodes, guess.reach_m));
+        watch.check()?;
+        let mut in_boxes = self.in_boxes(nodes, guess.of_other(best.law.clone(), &self.scene.map).reach_m);
+        // Once more with the stops that all turns are judged by.
+        let best = self.tried(&guess, best.law, &mut in_boxes, Look::Whole);
+        let of_yaw = |yaw_rad: f64| PatternLaw { yaw_rad, ..best.law.clone() };
+        let yaws = (1..YAWS).map(|at| {
             let turn_rad = TAU * f64::from(at) / f64::from(YAWS);
-            let yaw_rad = if turn_rad > PI { turn_rad - TAU } else { turn_rad };
-            try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
-        }
+            of_yaw(if turn_rad > PI { turn_rad - TAU } else { turn_rad })
+        });
+        let mut turned = best.clone().or_likelier(self.likeliest(&guess, yaws, &mut in_boxes));
+        watch.check()?;
         // Smaller and smaller turns from the best one.
         let mut half_rad = PI / f64::from(YAWS);
         while half_rad > 0.02 {
-            let middle_rad = turned.law.yaw_rad;
-            for yaw_rad in [middle_rad - half_rad, middle_rad + half_rad] {
-                try_law(PatternLaw { yaw_rad, ..best.law.clone() }, &mut turned)?;
+            for yaw_rad in [-half_rad, half_rad].map(|turn_rad| turned.law.yaw_rad + turn_rad) {
+                turned = turned.or_likelier(self.tried(&guess, of_yaw(yaw_rad), &mut in_boxes, Look::Whole));
             }
             half_rad *= 0.5;
         }
+        watch.check()?;
         Ok(if turned.agreed_beyond(&best) > TURNED { turned.law } else { best.law })
     }
 
@@ -225,11 +257,11 @@ impl SectorSurvey<'_> {
     /// fast at the yaw of the round before that the antenna would not turn without them.
     fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
         let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
+        let mut in_boxes = self.in_boxes(nodes, likelihoods.reach_m);
         let turned = |yaw_rad: f64| {
-            let turned = likelihoods.of_other(PatternLaw { yaw_rad, ..law.clone() }, &self.scene.map);
-            self.ln_evidence(&turned, nodes).iter().sum()
+            self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut in_boxes, Look::Whole).value
         };
-        naming::highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
+        naming::highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
 
     /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.
@@ -256,7 +288,7 @@ impl SectorSurvey<'_> {
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
             let (mut trials, mut namings) = (Trials::default(), Vec::new());
-            let finest = likelihoods.blurred(&self.scene.map, 0.0);
+            let finest = likelihoods.blurred(&self.scene.map, Blur::NONE);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
                 let whole_weight = 1.0 / sample.len().max(1) as f64;
@@ -272,12 +304,12 @@ impl SectorSurvey<'_> {
                             }
                             SectorsHeard::Reported(report) => {
                                 let fit = finest.report(report, sight.cell, decades);
-                                let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                                let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
                                 (Some(fit.level_db), open)
                             }
                         };
                         // A link of known strength was strong enough.
-                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.names.top_dbi(sight.cell) };
+                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.top_dbi(sight.cell) };
                         trials.packets.push(PacketTrial {
                             gain_db,
                             decades,
@@ -299,7 +331,7 @@ impl SectorSurvey<'_> {
                     if let SectorsHeard::Reported(report) = &listener.heard {
                         let sight = finest.sight(likeliest, &listener.pose);
                         let fit = finest.report(report, sight.cell, likelihoods.tables.decades.of_root(sight.square));
-                        let [_, open] = finest.reports.mixed(fit.ln_open, report.ln_blocked());
+                        let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
                         let (robot, heard, level_db) = (listener.pose, &listener.heard, fit.level_db);
                         namings.push(Naming {
                             place: likeliest,

@@ -23,7 +23,7 @@ const CORNERS: usize = CELLS + 1;
 /// Cells of the horizon for each of the octahedral map: 0.18 degrees.
 const FINER: usize = 8;
 /// Cells of the horizon.
-const ROUND: usize = 2 * CELLS * FINER;
+pub(super) const ROUND: usize = 2 * CELLS * FINER;
 /// How often a node names any sector.
 pub(super) const ANY: f64 = 0.02;
 /// Least gain in a table (dBi): none at all.
@@ -111,6 +111,12 @@ impl Directions {
 }
 
 impl GainCell {
+    /// Corners along the horizon.
+    #[inline]
+    pub(super) fn along(self) -> f64 {
+        self.corner as f64 + self.right
+    }
+
     /// The value of a column, interpolated between the corners.
     #[inline]
     fn value(self, values: &[f32], columns: usize, column: usize) -> f64 {
@@ -171,40 +177,65 @@ impl GainMap {
         cell.value(&self.gains_dbi, self.sectors, sector)
     }
 
-    /// What nodes in each direction hear and name under `law`: means over so many corners on each side of a direction.
+    /// The gains of all sectors at a corner (dBi).
+    pub(super) fn gains_at(&self, corner: usize) -> &[f32] {
+        &self.gains_dbi[corner * self.sectors..(corner + 1) * self.sectors]
+    }
+
+    /// The greatest gain of all sectors towards nodes in each direction under `law`: means over so many corners on each side
+    /// of a direction.
+    pub(super) fn tops(&self, law: &PatternLaw, radius: usize) -> Tops {
+        let tops = self.gains_dbi.chunks(self.sectors).map(|gains| single(top(gains, law))).collect();
+        Tops { dbi: self.averaged(tops, 1, radius) }
+    }
+
+    /// What nodes in each direction name under `law`: means over so many corners on each side of a direction.
     pub(super) fn names(&self, law: &PatternLaw, radius: usize) -> Names {
         let scale_db = logistic_scale(law.noise_db);
         let any = single(ANY / self.sectors as f64);
         let mut ln = vec![0.0_f32; self.gains_dbi.len()];
-        let mut tops_dbi = vec![0.0_f32; self.gains_dbi.len() / self.sectors];
-        let rows = ln.par_chunks_mut(self.sectors).zip(&mut tops_dbi).zip(self.gains_dbi.par_chunks(self.sectors));
-        rows.for_each(|((names, of_corner), gains)| {
-            let mut top = f64::NEG_INFINITY;
-            for (gain, ripple) in gains.iter().zip(&law.ripple_db) {
-                top = top.max(f64::from(*gain) + ripple);
-            }
+        for (names, gains) in ln.chunks_mut(self.sectors).zip(self.gains_dbi.chunks(self.sectors)) {
+            let top = top(gains, law);
             let share = |gain: f32, ripple: f64| libm::exp(((f64::from(gain) + ripple - top) / scale_db).max(-40.0));
             let sum: f64 = gains.iter().zip(&law.ripple_db).map(|(&gain, &ripple)| share(gain, ripple)).sum();
             for ((name, &gain), &ripple) in names.iter_mut().zip(gains).zip(&law.ripple_db) {
                 *name = single((1.0 - ANY) * share(gain, ripple) / sum);
             }
-            *of_corner = single(top);
-        });
-        if radius > 0 {
-            ln = self.directions.averaged(&ln, self.sectors, radius);
-            tops_dbi = self.directions.averaged(&tops_dbi, 1, radius);
         }
-        ln.par_iter_mut().for_each(|name| *name = libm::logf(*name + any));
-        Names { sectors: self.sectors, ln, tops_dbi }
+        let mut ln = self.averaged(ln, self.sectors, radius);
+        ln.iter_mut().for_each(|name| *name = libm::logf(*name + any));
+        Names { sectors: self.sectors, ln }
+    }
+
+    fn averaged(&self, values: Vec<f32>, columns: usize, radius: usize) -> Vec<f32> {
+        if radius > 0 { self.directions.averaged(&values, columns, radius) } else { values }
     }
 }
 
-/// For each corner of the octahedral map, the logarithm of the probability of each sector, and the greatest gain of all.
+/// The greatest of some gains with their ripple (dBi).
+fn top(gains: &[f32], law: &PatternLaw) -> f64 {
+    gains.iter().zip(&law.ripple_db).fold(f64::NEG_INFINITY, |top, (&gain, ripple)| top.max(f64::from(gain) + ripple))
+}
+
+/// For each corner of the map of directions, the greatest gain of all sectors.
+#[derive(Clone, Debug)]
+pub(super) struct Tops {
+    dbi: Vec<f32>,
+}
+
+/// For each corner of the map of directions, the logarithm of the probability of each sector.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
     sectors: usize,
     ln: Vec<f32>,
-    tops_dbi: Vec<f32>,
+}
+
+impl Tops {
+    /// The greatest gain of all sectors (dBi).
+    #[inline]
+    pub(super) fn dbi(&self, cell: GainCell) -> f64 {
+        cell.value(&self.dbi, 1, 0)
+    }
 }
 
 impl Names {
@@ -213,12 +244,6 @@ impl Names {
     pub(super) fn ln_probability(&self, cell: GainCell, sector: usize) -> f64 {
         cell.value(&self.ln, self.sectors, sector)
     }
-
-    /// The greatest gain of all sectors (dBi).
-    #[inline]
-    pub(super) fn top_dbi(&self, cell: GainCell) -> f64 {
-        cell.value(&self.tops_dbi, 1, 0)
-    }
 }
 
 /// The means of each column over the corners within `radius` of each corner along both axes of the map.
@@ -226,13 +251,13 @@ fn averaged(values: &[f32], columns: usize, radius: usize) -> Vec<f32> {
     let within = |at: usize| at.saturating_sub(radius)..(at + radius + 1).min(CORNERS);
     let row = CORNERS * columns;
     let mut along = vec![0.0_f32; values.len()];
-    along.par_chunks_mut(row).zip(values.par_chunks(row)).for_each(|(means, values)| {
+    along.chunks_mut(row).zip(values.chunks(row)).for_each(|(means, values)| {
         for (i, mean) in means.chunks_mut(columns).enumerate() {
             average(mean, within(i).map(|corner| &values[corner * columns..(corner + 1) * columns]));
         }
     });
     let mut means = vec![0.0_f32; values.len()];
-    means.par_chunks_mut(row).enumerate().for_each(|(j, mean)| {
+    means.chunks_mut(row).enumerate().for_each(|(j, mean)| {
         average(mean, within(j).map(|corner| &along[corner * row..(corner + 1) * row]));
     });
     means

@@ -8,6 +8,7 @@
 //! strengths, by how much the sectors of this antenna differ from the pattern, how the antenna is turned. They are estimated
 //! with the places of the nodes by expectation maximisation (Dempster, Laird and Rubin 1977).
 
+mod blur;
 mod evidence;
 mod fit;
 mod gain_map;
@@ -18,6 +19,7 @@ mod places;
 mod report;
 mod report_law;
 mod report_sums;
+mod report_views;
 mod scene;
 mod settled;
 mod tiles;

@@ -89,7 +89,7 @@ pub(super) fn improve(
     if turn == TurnOfRound::Improved {
         let turned =
             |yaw_rad: f64| log_likelihood(&Gains::of(map, namings, yaw_rad), namings, &law.ripple_db, law.noise_db);
-        law.yaw_rad = highest(&turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], GOLDEN_STEPS);
+        law.yaw_rad = highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], GOLDEN_STEPS);
     }
     let gains = Gains::of(map, namings, law.yaw_rad);
     let of_reports = ReportSums::of(law, gains.rows().zip(namings));
@@ -98,7 +98,7 @@ pub(super) fn improve(
     } else {
         let [low, high] = NOISE_DB.map(libm::log);
         let with_noise = |ln: f64| log_likelihood(&gains, namings, &law.ripple_db, libm::exp(ln));
-        law.noise_db = libm::exp(highest(&with_noise, [low, high], GOLDEN_STEPS));
+        law.noise_db = libm::exp(highest(with_noise, [low, high], GOLDEN_STEPS));
     }
     if let Some(variances) = improve_ripple(law, &gains, namings, *ripple_sigma_db) {
         let square: f64 = law.ripple_db.iter().map(|b| b * b).sum::<f64>() + variances;
@@ -169,7 +169,7 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
 }
 
 /// Where a function of one value is highest between two ends, by golden sections.
-pub(super) fn highest(value: &impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], steps: u32) -> f64 {
+pub(super) fn highest(mut value: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], steps: u32) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_894_8;
     let (mut left, mut right) = (high - SHARE * (high - low), low + SHARE * (high - low));
     let (mut of_left, mut of_right) = (value(left), value(right));

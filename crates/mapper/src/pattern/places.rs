@@ -44,6 +44,15 @@ pub(super) struct CellPosterior {
     pub(super) evaluated: u64,
 }
 
+/// How closely places are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Look {
+    /// The first cells alone.
+    Rough,
+    /// Cells are halved to the end.
+    Whole,
+}
+
 /// At how many places the likelihood of a node is computed, at most.
 pub(super) fn most_evaluations(heights: SoughtHeights) -> f64 {
     let [level, space] = FIRST;
@@ -59,6 +68,7 @@ pub(super) fn find<'a>(
     evidence: &PatternEvidence,
     within: &SearchBox,
     step_m: f64,
+    look: Look,
 ) -> Option<CellPosterior> {
     let sides = [0, 1, 2].map(|axis| (within.high[axis] - within.low[axis]).max(0.0));
     let is_level = within.is_level();
@@ -88,7 +98,8 @@ pub(super) fn find<'a>(
     let all = cells.len() as f64;
     let mut shrinks = 1.0;
     let mut is_wide = false;
-    for _ in 0..HALVINGS {
+    let halvings = if look == Look::Rough { 0 } else { HALVINGS };
+    for _ in 0..halvings {
         let highest = cells.iter().map(|cell| cell.value).fold(f64::NEG_INFINITY, f64::max);
         if !highest.is_finite() {
             return None;

@@ -6,6 +6,9 @@
 //! than its gain says, and hardly weaker. A sector that is absent was too weak, or its frame was lost. And the straight way of
 //! some reports is blocked: these tell nothing of the direction.
 
+use sextant_kernel::maths::{exp, ln};
+
+use super::report_views::ReportViews;
 use crate::numerics::normal::{below, density};
 
 /// Residuals in a table, from the least to the greatest (dB), and their number in a decibel.
@@ -23,6 +26,8 @@ const ROUGH_DB: f64 = 1.5;
 /// How often the strength of a sector is any, over so many decibels.
 const ODD: f64 = 0.01;
 const ODD_WIDTH_DB: f64 = 60.0;
+/// The strength of the straight way that the strongest sector tells counts as so many sectors.
+const FIRM: f64 = 0.01;
 
 /// The law of what nodes report of sectors, beside the noise and the ripple of the antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,21 +55,52 @@ impl ReportLaw {
         below((gain_db + UNSEEN_DB - self.added_db) / self.added_sigma_db)
     }
 
+    /// The log-likelihood of a report that fits like this, whose straight way may be blocked, and the probability that it is not.
+    pub(super) fn mixed(&self, ln_open: f64, ln_blocked: f64) -> [f64; 2] {
+        let open = ln(1.0 - self.blocked_share) + ln_open;
+        let blocked = ln(self.blocked_share) + ln_blocked;
+        let smaller = exp(-(open - blocked).abs());
+        let share = if open > blocked { 1.0 } else { smaller } / (1.0 + smaller);
+        [open.max(blocked) + ln(1.0 + smaller), share]
+    }
+
     /// The densities of a residual (per dB): without an addition that is seen, with one, and of any strength. The noise has this
     /// standard deviation.
     pub(super) fn densities(&self, residual_db: f64, gain_db: f64, noise_db: f64) -> [f64; 3] {
-        let plain = (1.0 - self.added_share + self.added_share * self.unseen(gain_db)) * (1.0 - ODD);
-        let core = plain * density(residual_db / noise_db) / noise_db;
-        let factor = libm::pow(10.0, 0.1 * residual_db.max(0.0));
-        let added_db = 10.0 * libm::log10((factor - 1.0).max(1e-9));
-        let seen = if added_db > UNSEEN_DB {
-            let off = (added_db - (self.added_db - gain_db)) / self.added_sigma_db;
-            let slope = factor / (factor - 1.0);
-            self.added_share * (1.0 - ODD) * density(off) / self.added_sigma_db * slope
+        self.densities_of(&Residual::of(residual_db, noise_db), gain_db, self.unseen(gain_db))
+    }
+
+    /// The same of a residual, where an addition beside this gain is not seen with the probability `unseen`.
+    fn densities_of(&self, residual: &Residual, gain_db: f64, unseen: f64) -> [f64; 3] {
+        let core = (1.0 - self.added_share + self.added_share * unseen) * (1.0 - ODD) * residual.density;
+        let seen = if residual.added_db > UNSEEN_DB {
+            let off = (residual.added_db - (self.added_db - gain_db)) / self.added_sigma_db;
+            self.added_share * (1.0 - ODD) * density(off) / self.added_sigma_db * residual.slope
         } else {
             0.0
         };
         [core, seen, ODD / ODD_WIDTH_DB]
+    }
+}
+
+/// By how much the strength of a sector is more than the pattern and the straight way say.
+struct Residual {
+    /// How likely it is without an addition (per dB).
+    density: f64,
+    /// The addition that makes it, relative to what the straight way brings by this sector (dB).
+    added_db: f64,
+    /// By how much the addition grows with the residual.
+    slope: f64,
+}
+
+impl Residual {
+    fn of(residual_db: f64, noise_db: f64) -> Self {
+        let factor = libm::pow(10.0, 0.1 * residual_db.max(0.0));
+        Self {
+            density: density(residual_db / noise_db) / noise_db,
+            added_db: 10.0 * libm::log10((factor - 1.0).max(1e-9)),
+            slope: factor / (factor - 1.0),
+        }
     }
 }
 
@@ -78,6 +114,17 @@ pub(super) struct ReportTables {
     values: Vec<[f32; 2]>,
     /// By how far the threshold is above the straight way: the logarithm of the probability that a sector is absent.
     absent: Vec<f32>,
+}
+
+/// What a report says of a direction, before the strength of the straight way is expected anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReportView {
+    /// The log-likelihood if the straight way is open and has the strength that it is expected to have.
+    pub(super) ln: f64,
+    /// The strength of the straight way at the node, without gain, as the report says (dB).
+    pub(super) level_db: f64,
+    /// Inverse of the variance of this strength round the expected one (per dB²).
+    pub(super) precision: f64,
 }
 
 /// What a report says of a place.
@@ -97,21 +144,28 @@ pub(super) struct Report {
     pub(super) absent: Vec<usize>,
     /// Sectors of less strength are absent (dB).
     pub(super) least_db: f64,
+    /// The log-likelihood if the straight way is blocked: each sector is present or absent by chance, with any strength.
+    pub(super) ln_blocked: f64,
+    pub(super) views: ReportViews,
 }
 
-/// Where the strength of the straight way is expected (dB), and with what standard deviation.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ExpectedLevel {
-    pub(super) level_db: f64,
-    pub(super) sigma_db: f64,
+impl ReportView {
+    /// How the report fits a straight way whose strength is expected here (dB), with the variance of [`ReportTables::view`].
+    #[inline]
+    pub(super) fn fit(self, expected_db: f64, variance: f64) -> ReportFit {
+        let off = self.level_db - expected_db;
+        let by_report = 1.0 - self.precision * variance;
+        ReportFit { ln_open: self.ln - 0.5 * self.precision * off * off, level_db: self.level_db - by_report * off }
+    }
 }
 
 impl Report {
-    /// The log-likelihood if the straight way is blocked: each sector is present or absent by chance, with any strength.
-    pub(super) fn ln_blocked(&self) -> f64 {
-        let [present, absent] = [self.present.len() as f64, self.absent.len() as f64];
-        let share = (present + 0.5) / (present + absent + 1.0);
-        present * libm::log(share / 30.0) + absent * libm::log(1.0 - share)
+    /// Sectors of less than `least_db` are absent.
+    pub(super) fn new(present: Vec<(usize, f64)>, absent: Vec<usize>, least_db: f64) -> Self {
+        let [of_present, of_absent] = [present.len() as f64, absent.len() as f64];
+        let share = (of_present + 0.5) / (of_present + of_absent + 1.0);
+        let ln_blocked = of_present * libm::log(share / 30.0) + of_absent * libm::log(1.0 - share);
+        Self { present, absent, least_db, ln_blocked, views: ReportViews::default() }
     }
 }
 
@@ -122,22 +176,25 @@ fn count(from: f64, to: f64, step: f64) -> usize {
 impl ReportTables {
     /// The tables of a law whose strengths have this noise (dB).
     pub(super) fn new(law: &ReportLaw, noise_db: f64) -> Self {
-        let residuals = count(RESIDUALS_DB[0], RESIDUALS_DB[1], 1.0 / PER_DB);
+        let residuals: Vec<Residual> = (0..count(RESIDUALS_DB[0], RESIDUALS_DB[1], 1.0 / PER_DB))
+            .map(|at| Residual::of(RESIDUALS_DB[0] + at as f64 / PER_DB, noise_db))
+            .collect();
         let gains = count(GAINS_DBI[0], GAINS_DBI[1], GAIN_STEP_DB);
-        let mut values = Vec::with_capacity(residuals * gains);
+        let mut values = Vec::with_capacity(residuals.len() * gains);
         for gain in 0..gains {
             let gain_db = GAINS_DBI[0] + GAIN_STEP_DB * gain as f64;
-            for residual in 0..residuals {
-                let densities = law.densities(RESIDUALS_DB[0] + residual as f64 / PER_DB, gain_db, noise_db);
+            let unseen = law.unseen(gain_db);
+            for residual in &residuals {
+                let densities = law.densities_of(residual, gain_db, unseen);
                 let sum: f64 = densities.iter().sum();
-                values.push([single(libm::log(sum)), single(densities[0] / sum)]);
+                values.push([single(ln(sum)), single(densities[0] / sum)]);
             }
         }
         let absent = (0..count(-ABSENT_DB, ABSENT_DB, 1.0 / PER_DB)).map(|at| {
             let over_db = at as f64 / PER_DB - ABSENT_DB;
             single(libm::log(law.lost_share + (1.0 - law.lost_share) * below(over_db / noise_db)))
         });
-        Self { law: *law, noise_db, residuals, values, absent: absent.collect() }
+        Self { law: *law, noise_db, residuals: residuals.len(), values, absent: absent.collect() }
     }
 
     /// The logarithm of the density of a residual, and the share of it that is without additions.
@@ -149,57 +206,112 @@ impl ReportTables {
         let place = crate::numerics::whole(row) * self.residuals + column;
         let (low, high) = (self.values[place], self.values[place + 1]);
         let share = along - column as f64;
-        [0, 1].map(|i| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i])))
+        let between = |i: usize| f64::from(low[i]) + share * (f64::from(high[i]) - f64::from(low[i]));
+        [between(0), between(1)]
     }
 
-    /// How a report fits these `gains` of all sectors, with their ripple.
-    pub(super) fn fit(&self, report: &Report, gains: &[f64], expected: ExpectedLevel) -> ReportFit {
+    /// What a report says of a direction with these `gains` of all sectors, with their ripple. The strength of the straight way
+    /// has this variance round the expected one (dB²).
+    pub(super) fn view(&self, report: &Report, gains: &[f64], variance: f64) -> ReportView {
         let top = report.present.iter().fold((f64::NEG_INFINITY, 0.0), |top, &(sector, snr_db)| {
             if gains[sector] > top.0 { (gains[sector], snr_db - gains[sector]) } else { top }
         });
         let mut level_db = top.1;
         let of_noise = 1.0 / (self.noise_db * self.noise_db);
-        let of_expected = 1.0 / (expected.sigma_db * expected.sigma_db);
-        let mut precision = of_expected;
+        let mut precision = 0.0;
         for _ in 0..if self.noise_db > ROUGH_DB { 1 } else { 2 } {
-            let (mut sum, mut weight) = (of_expected * expected.level_db, of_expected);
+            let (mut sum, mut weight) = (0.0, 0.0);
             for &(sector, snr_db) in &report.present {
                 let gain_db = gains[sector];
                 let [_, core] = self.at(snr_db - level_db - gain_db, gain_db);
-                sum += of_noise * core * (snr_db - gain_db);
-                weight += of_noise * core;
+                sum += core * (snr_db - gain_db);
+                weight += core;
             }
-            (level_db, precision) = (sum / weight, weight);
+            // The strongest sector alone tells the level where no other one agrees.
+            (level_db, precision) = ((sum + FIRM * level_db) / (weight + FIRM), of_noise * (weight + FIRM));
         }
-        let mut ln_open = 0.0;
+        let mut ln = 0.0;
         for &(sector, snr_db) in &report.present {
-            ln_open += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
+            ln += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
         }
         let over_db = report.least_db - level_db;
         for &sector in &report.absent {
             let along = ((over_db - gains[sector] + ABSENT_DB) * PER_DB).clamp(0.0, (self.absent.len() - 1) as f64);
-            ln_open += f64::from(self.absent[crate::numerics::whole(along)]);
+            ln += f64::from(self.absent[crate::numerics::whole(along)]);
         }
         // None of the absent sectors has an addition that would be heard.
         let share = self.law.added_share;
         let quiet = below((over_db - self.law.added_db) / self.law.added_sigma_db);
-        ln_open += report.absent.len() as f64 * libm::log((1.0 - share + share * quiet).max(1e-3));
-        let off = (level_db - expected.level_db) / expected.sigma_db;
-        ln_open -= 0.5 * off * off + libm::log(expected.sigma_db) + 0.5 * libm::log(precision);
-        ReportFit { ln_open, level_db }
-    }
-
-    /// The log-likelihood of a report that fits like this, whose straight way may be blocked, and the probability that it is not.
-    pub(super) fn mixed(&self, ln_open: f64, ln_blocked: f64) -> [f64; 2] {
-        let open = libm::log(1.0 - self.law.blocked_share) + ln_open;
-        let blocked = libm::log(self.law.blocked_share) + ln_blocked;
-        let top = open.max(blocked);
-        let sum = libm::exp(open - top) + libm::exp(blocked - top);
-        [top + libm::log(sum), libm::exp(open - top) / sum]
+        ln += report.absent.len() as f64 * libm::log((1.0 - share + share * quiet).max(1e-3));
+        ln -= 0.5 * libm::log(1.0 + precision * variance);
+        ReportView { ln, level_db, precision: 1.0 / (variance + 1.0 / precision) }
     }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "tables are in single precision")]
 fn single(value: f64) -> f32 {
     value as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gains of the sectors that were heard (dBi).
+    const GAINS_DB: [f64; 5] = [14.0, 9.0, 3.0, 11.0, 6.0];
+    const NOISE_DB: f64 = 0.8;
+
+    fn law() -> ReportLaw {
+        ReportLaw { added_share: 0.001, lost_share: 0.5, ..ReportLaw::guess() }
+    }
+
+    /// A report of strengths that are a level more than the gains, but for small errors.
+    fn report(level_db: f64) -> Report {
+        let errors_db = [0.5, -0.75, 0.25, 0.0, -0.5];
+        let strength = |sector: usize| (sector, level_db + GAINS_DB[sector] + errors_db[sector]);
+        Report::new((0..GAINS_DB.len()).map(strength).collect(), Vec::new(), 0.0)
+    }
+
+    #[test]
+    fn the_strength_of_the_straight_way_is_integrated_round_the_expected_one() {
+        let (report, tables) = (report(12.0), ReportTables::new(&law(), NOISE_DB));
+        let sigma_db = 2.5;
+        let view = tables.view(&report, &GAINS_DB, sigma_db * sigma_db);
+        // The same sum over levels, up to a constant.
+        let summed = |expected_db: f64| {
+            let (mut sum, mut first) = (0.0, 0.0);
+            for step in -400..=400 {
+                let level_db = 12.0 + 0.01 * f64::from(step);
+                let of_sector = |&(sector, snr_db): &(usize, f64)| -> f64 {
+                    law().densities(snr_db - level_db - GAINS_DB[sector], GAINS_DB[sector], NOISE_DB).iter().sum()
+                };
+                let likelihood: f64 = report.present.iter().map(of_sector).product();
+                let weight = likelihood * density((level_db - expected_db) / sigma_db);
+                sum += weight;
+                first += weight * level_db;
+            }
+            [libm::log(sum), first / sum]
+        };
+        let [ln_middle, _] = summed(12.0);
+        let of_middle = view.fit(12.0, sigma_db * sigma_db).ln_open;
+        for expected_db in [4.0, 9.0, 11.0, 15.0, 19.0] {
+            let [ln, level_db] = summed(expected_db);
+            let fit = view.fit(expected_db, sigma_db * sigma_db);
+            let less = (fit.ln_open - of_middle) - (ln - ln_middle);
+            assert!(less.abs() < 0.03, "{less} at {expected_db} dB");
+            assert!((fit.level_db - level_db).abs() < 0.02, "{} and {level_db} dB", fit.level_db);
+        }
+    }
+
+    #[test]
+    fn a_report_is_as_likely_as_its_two_reasons_together() {
+        let law = ReportLaw { blocked_share: 0.2, ..law() };
+        for (open, blocked) in [(-3.0, -3.5), (-60.0, -1.0), (-1.0, -90.0)] {
+            let [ln, share] = law.mixed(open, blocked);
+            let [open, blocked] = [0.8 * libm::exp(open), 0.2 * libm::exp(blocked)];
+            assert!(
+                (ln - libm::log(open + blocked)).abs() < 1e-12 && (share - open / (open + blocked)).abs() < 1e-12
+            );
+        }
+    }
 }
