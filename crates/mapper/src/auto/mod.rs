@@ -3,6 +3,7 @@
 mod agreement;
 mod fall_of_strength;
 mod folds;
+mod objections;
 mod opinions;
 mod predict;
 mod report;
@@ -15,6 +16,7 @@ use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
+use self::objections::{is_beyond, settles};
 use self::opinions::GainOfLaw;
 pub use self::opinions::{Opinion, OpinionConstants, OpinionSource, Opinions, OtherOpinions};
 use self::rules::ChoiceFacts;
@@ -27,7 +29,7 @@ use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::grid_ml::{Fit, FittedMlTm, MlTmConfig};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
-use crate::link_model::{LinkFit, LinkModel, LinkModelConfig};
+use crate::link_model::{Law, LinkFit, LinkModel, LinkModelConfig, unsure_of_law};
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::{PatternFit, PatternMap};
@@ -169,6 +171,7 @@ impl Auto {
         let heard = heard_nodes(log);
         let reach_m = reach_m(log, &heard);
         let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
+        let mut link_model = self.link_model.with_hearing_of(log);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
             if let Some(gains) = gains_of(log) {
@@ -188,7 +191,9 @@ impl Auto {
         {
             trials.predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
-                self.predict(&fold, &candidates, &mut trials, watch)?;
+                if let Some(law) = predict(&link_model, &fold, &candidates, &mut trials, watch)? {
+                    link_model = link_model.with_first_law(law);
+                }
             }
         }
         let as_good = as_good(&candidates, &trials.predicted);
@@ -201,19 +206,27 @@ impl Auto {
             as_good,
             strengths_agree,
             settles: true,
+            is_beyond: false,
         };
         let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
-        let link_model = self.link_model.with_own_share(own_share);
+        let link_model = link_model.with_own_share(own_share);
         candidates[LINKS] = Candidate::LinkModel(&link_model);
         let (mut number, mut reason) = rules::choose(&facts, LINKS);
         let (mut map, mut fit) = candidates[number].map(log, prior, watch)?;
-        if number != LINKS && !settles(&map, fit.as_ref()) {
-            facts.settles = false;
+        if number != LINKS {
+            facts.settles = settles(&map, fit.as_ref());
+            facts.is_beyond = is_beyond(&map, log.stops(), reach_m);
             (number, reason) = rules::choose(&facts, LINKS);
-            (map, fit) = candidates[number].map(log, prior, watch)?;
+            if number == LINKS {
+                (map, fit) = candidates[LINKS].map(log, prior, watch)?;
+            }
         }
         let candidate = candidates[number];
-        let enlargement = agreement::enlargement(&parts[number]);
+        let enlargement = match candidate {
+            // Its regions know of the law.
+            Candidate::LinkModel(_) => 1.0,
+            _ => agreement::enlargement(&parts[number]).max(unsure_of_law(heard.len())),
+        };
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
@@ -232,37 +245,6 @@ impl Auto {
         let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, reach_m / STEPS_PER_REACH);
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
     }
-
-    /// Takes what each candidate makes of `fold`.
-    fn predict(
-        &self,
-        fold: &Fold<'_>,
-        candidates: &[Candidate<'_>],
-        trials: &mut Trials,
-        watch: &dyn Watch,
-    ) -> Result<(), MapError> {
-        let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
-        let Trials { predicted, parts, has_strengths, gain } = trials;
-        *has_strengths |= law.is_some_and(|law| law.receiver.is_some());
-        for (number, candidate) in candidates.iter().enumerate() {
-            match candidate {
-                Candidate::LinkModel(_) => {
-                    predicted[number].begin_fold();
-                    predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
-                }
-                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
-                    if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
-                        continue;
-                    }
-                    let (map, fit) = candidate.map(&fold.rest, None, watch)?;
-                    predicted[number].begin_fold();
-                    predict::independent(fold, &map, fit.as_ref(), &mut predicted[number]);
-                    parts[number].push(map);
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Trials {
@@ -272,18 +254,43 @@ impl Trials {
     }
 }
 
+/// Takes what each candidate makes of `fold`; the law of its links.
+fn predict(
+    link_model: &LinkModel,
+    fold: &Fold<'_>,
+    candidates: &[Candidate<'_>],
+    trials: &mut Trials,
+    watch: &dyn Watch,
+) -> Result<Option<Law>, MapError> {
+    let (of_links, law) = link_model.map(&fold.rest, None, watch)?;
+    let Trials { predicted, parts, has_strengths, gain } = trials;
+    *has_strengths |= law.is_some_and(|law| law.receiver.is_some());
+    for (number, candidate) in candidates.iter().enumerate() {
+        match candidate {
+            Candidate::LinkModel(_) => {
+                predicted[number].begin_fold();
+                predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
+            }
+            Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
+                if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
+                    continue;
+                }
+                let (map, fit) = candidate.map(&fold.rest, None, watch)?;
+                predicted[number].begin_fold();
+                predict::independent(fold, &map, fit.as_ref(), &mut predicted[number]);
+                parts[number].push(map);
+            }
+        }
+    }
+    Ok(law.map(|law| law.law))
+}
+
 /// The gains of the sectors in which nodes of a log were heard, if it knows both: those that were measured, or of an antenna
 /// that turns, for which there are no wedges.
 fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
     let gains = log.sectors().and_then(SectorTable::gains)?;
     let is_used = gains.antenna().is_measured() || log.has_headings();
     (is_used && log.receptions().sectors().is_some()).then_some(gains)
-}
-
-/// Whether an estimator settles on a log: its profile does, and most places have no concern.
-fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
-    let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
-    has_curve && 2 * map.concerns().count() <= map.mapped()
 }
 
 /// Enlarges the variances of a map by a factor.

@@ -53,6 +53,17 @@ impl Law {
         self.offset == 0.0 && self.direction == 0.0
     }
 
+    /// Whether no part of it is absent, so that a search that begins at it can reach all laws.
+    pub(super) fn has_all_parts(&self) -> bool {
+        self.offset > 0.0 && self.direction > 0.0 && self.slope_spread > 0.0 && self.shared > 0.0
+    }
+
+    /// The same law, with its margin at another distance (m).
+    pub(super) fn at(&self, distance_m: f64) -> Self {
+        let margin = self.margin - self.slope * libm::log(distance_m / self.distance_m);
+        Self { margin, distance_m, ..*self }
+    }
+
     /// Whether links share nothing but the distance.
     pub(super) fn has_independent_links(&self) -> bool {
         self.shared == 0.0 && self.has_alike_nodes()
