@@ -222,11 +222,9 @@ impl Auto {
             }
         }
         let candidate = candidates[number];
-        let enlargement = match candidate {
-            // Its regions know of the law.
-            Candidate::LinkModel(_) => 1.0,
-            _ => agreement::enlargement(&parts[number]).max(unsure_of_law(heard.len())),
-        };
+        // The regions of the link model know that its law is estimated.
+        let least = if number == LINKS { 1.0 } else { unsure_of_law(heard.len()) };
+        let enlargement = agreement::enlargement(&parts[number]).max(least);
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {

@@ -197,19 +197,28 @@ const LEAST_SHARED: f64 = 0.3;
 mod tests {
     use super::*;
 
+    const LAW: Law = Law {
+        margin: 2.0,
+        distance_m: 8.0,
+        slope: 3.0,
+        shadowing: 2.0,
+        shared: 0.9,
+        correlation_m: 40.0,
+        offset: 0.1,
+        direction: 1.5,
+        slope_spread: 0.4,
+    };
+
+    #[test]
+    fn a_law_at_another_distance_has_the_same_margins() {
+        let moved = LAW.at(20.0);
+        assert!((moved.at_one_metre() - LAW.at_one_metre()).abs() < 1e-12 && moved.margin < LAW.margin, "{moved:?}");
+        assert!(LAW.has_all_parts() && !LAW.of_alike_nodes().has_all_parts());
+    }
+
     #[test]
     fn a_law_is_drawn_toward_usual_links_by_geometric_means() {
-        let law = Law {
-            margin: 2.0,
-            distance_m: 8.0,
-            slope: 3.0,
-            shadowing: 2.0,
-            shared: 0.9,
-            correlation_m: 40.0,
-            offset: 0.1,
-            direction: 1.5,
-            slope_spread: 0.4,
-        };
+        let law = LAW;
         let (fading_db, median_m) = (4.0, 10.0);
         let is_near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
         let own = law.shrunk(1.0, fading_db, median_m);
