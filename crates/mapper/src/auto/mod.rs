@@ -3,7 +3,6 @@
 mod agreement;
 mod fall_of_strength;
 mod folds;
-mod objections;
 mod opinions;
 mod predict;
 mod report;
@@ -16,7 +15,6 @@ use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
 use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
-use self::objections::{is_beyond, settles};
 use self::opinions::GainOfLaw;
 pub use self::opinions::{Opinion, OpinionConstants, OpinionSource, Opinions, OtherOpinions};
 use self::rules::ChoiceFacts;
@@ -206,20 +204,16 @@ impl Auto {
             as_good,
             strengths_agree,
             settles: true,
-            is_beyond: false,
         };
         let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
         let link_model = link_model.with_own_share(own_share);
         candidates[LINKS] = Candidate::LinkModel(&link_model);
         let (mut number, mut reason) = rules::choose(&facts, LINKS);
         let (mut map, mut fit) = candidates[number].map(log, prior, watch)?;
-        if number != LINKS {
-            facts.settles = settles(&map, fit.as_ref());
-            facts.is_beyond = is_beyond(&map, log.stops(), reach_m);
+        if number != LINKS && !settles(&map, fit.as_ref()) {
+            facts.settles = false;
             (number, reason) = rules::choose(&facts, LINKS);
-            if number == LINKS {
-                (map, fit) = candidates[LINKS].map(log, prior, watch)?;
-            }
+            (map, fit) = candidates[number].map(log, prior, watch)?;
         }
         let candidate = candidates[number];
         // The regions of the link model know that its law is estimated.
@@ -289,6 +283,12 @@ fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
     let gains = log.sectors().and_then(SectorTable::gains)?;
     let is_used = gains.antenna().is_measured() || log.has_headings();
     (is_used && log.receptions().sectors().is_some()).then_some(gains)
+}
+
+/// Whether an estimator settles on a log: its profile does, and most places have no concern.
+fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
+    let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
+    has_curve && 2 * map.concerns().count() <= map.mapped()
 }
 
 /// Enlarges the variances of a map by a factor.

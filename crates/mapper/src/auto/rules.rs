@@ -11,8 +11,6 @@ pub enum ChoiceReason {
     Strengths,
     /// The one of independent packets that predicts as well as the link model does not settle on the log.
     Unsettled,
-    /// The one of independent packets that predicts as well as the link model places nodes beyond all stops.
-    Beyond,
     /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
     IndependentPackets,
     /// The link model predicts what was left out better than estimators for which packets are independent.
@@ -32,8 +30,6 @@ pub(super) struct ChoiceFacts {
     pub(super) strengths_agree: bool,
     /// Whether it settles on the log, as far as it was tried.
     pub(super) settles: bool,
-    /// Whether it places nodes beyond all stops, as far as it was tried.
-    pub(super) is_beyond: bool,
 }
 
 /// A rule. The first one whose condition holds decides.
@@ -55,7 +51,7 @@ struct Rule {
 const LINK_MODEL: fn(&ChoiceFacts) -> Option<usize> = |_| None;
 
 /// The rules, from the first to the last.
-const RULES: [Rule; 7] = [
+const RULES: [Rule; 6] = [
     Rule {
         reason: ChoiceReason::KnownPlaces,
         holds: |facts| facts.knows_places,
@@ -87,14 +83,6 @@ const RULES: [Rule; 7] = [
         condition: "an estimator of independent packets predicts as well, but its fit or most of its places do not settle",
         choice: "link model",
         because: "an estimator of independent packets predicts the stops left out as well, but does not settle on this log",
-    },
-    Rule {
-        reason: ChoiceReason::Beyond,
-        holds: |facts| facts.as_good.is_some() && facts.is_beyond,
-        takes: LINK_MODEL,
-        condition: "an estimator of independent packets predicts as well, but more than one in twenty of its places is beyond all stops",
-        choice: "link model",
-        because: "an estimator of independent packets predicts the stops left out as well, but does not know that nodes are rarely beyond all stops, where it places some",
     },
     Rule {
         reason: ChoiceReason::IndependentPackets,
@@ -139,18 +127,15 @@ mod tests {
             as_good,
             strengths_agree: true,
             settles: true,
-            is_beyond: false,
         };
         let contradicted = ChoiceFacts { strengths_agree: false, ..facts(false, true, Some(2)) };
         let unsettled = ChoiceFacts { settles: false, ..facts(false, true, Some(2)) };
-        let beyond = ChoiceFacts { is_beyond: true, ..facts(false, true, Some(2)) };
         for (facts, expected) in [
             (facts(true, true, Some(2)), (0, ChoiceReason::KnownPlaces)),
             (facts(false, false, None), (0, ChoiceReason::TooLittle)),
             (facts(false, true, Some(2)), (2, ChoiceReason::IndependentPackets)),
             (contradicted, (0, ChoiceReason::Strengths)),
             (unsettled, (0, ChoiceReason::Unsettled)),
-            (beyond, (0, ChoiceReason::Beyond)),
             (facts(false, true, None), (0, ChoiceReason::DependentPackets)),
         ] {
             assert_eq!(choose(&facts, 0), expected, "{facts:?}");

@@ -47,7 +47,6 @@ use outages::Outages;
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
 use window::LinkWindow;
-pub(crate) use window::beyond_m;
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -46,12 +46,6 @@ pub(super) struct Bounds {
     pub(super) high: [f64; 3],
 }
 
-/// Length over which the density of nodes falls outside places of this width, in a box with this diagonal (m).
-pub(crate) fn beyond_m(width_m: f64, diagonal_m: f64, reach_m: f64) -> f64 {
-    let by_reach_m = BEYOND_REACH * (reach_m - 0.5 * width_m);
-    (BEYOND * diagonal_m).max(by_reach_m).max(0.01 * reach_m)
-}
-
 impl<'a> LinkWindow<'a> {
     pub(super) fn new(
         links: &PlaceLinks,
@@ -72,7 +66,8 @@ impl<'a> LinkWindow<'a> {
             if axis == 2 {
                 return (BEYOND_HEIGHT * width_m).min(reach_m).max(1e-6);
             }
-            beyond_m(width_m, diagonal_m, reach_m)
+            let beyond_m = BEYOND_REACH * (reach_m - 0.5 * width_m);
+            (BEYOND * diagonal_m).max(beyond_m).max(0.01 * reach_m)
         });
         let margin_m = length_m.map(|length_m| (LENGTHS * length_m).min(reach_m));
         let is_bounded_in_height = z_is_given || sought.high_m <= sought.low_m;
