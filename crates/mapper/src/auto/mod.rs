@@ -205,7 +205,9 @@ impl Auto {
             strengths_agree,
             settles: true,
         };
-        let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
+        // Usual links tell nothing of links that seem independent.
+        let is_own_law = prior.is_some() || as_good.is_some();
+        let own_share = if is_own_law { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
         let link_model = link_model.with_own_share(own_share);
         candidates[LINKS] = Candidate::LinkModel(&link_model);
         let (mut number, mut reason) = rules::choose(&facts, LINKS);
@@ -223,7 +225,9 @@ impl Auto {
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
-                OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT)
+                let joined =
+                    OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT);
+                joined.map(|joined| if is_own_law { Opinions { own_share: 1.0, ..joined } } else { joined })
             }
             _ => None,
         };
