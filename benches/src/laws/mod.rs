@@ -4,6 +4,7 @@
 //! distance, links are shadowed independently, and packets fade.
 
 mod carried;
+mod cut_off;
 mod directional;
 mod excess_loss;
 mod few_nodes;
@@ -101,6 +102,7 @@ pub const LAWS: &[Law] = &[
     (carried::NAME, carried::log),
     (two_ray::NAME, two_ray::log),
     (rician_packets::NAME, rician_packets::log),
+    (cut_off::NAME, cut_off::log),
 ];
 
 /// The log that `law` makes of `seed`.

@@ -27,7 +27,7 @@ use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::grid_ml::{Fit, FittedMlTm, MlTmConfig};
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
-use crate::link_model::{LinkFit, LinkModel, LinkModelConfig};
+use crate::link_model::{Law, LinkFit, LinkModel, LinkModelConfig, unsure_of_law};
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::pattern::{PatternFit, PatternMap};
@@ -169,6 +169,7 @@ impl Auto {
         let heard = heard_nodes(log);
         let reach_m = reach_m(log, &heard);
         let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
+        let mut link_model = self.link_model.with_hearing_of(log);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
             if let Some(gains) = gains_of(log) {
@@ -188,7 +189,9 @@ impl Auto {
         {
             trials.predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
-                self.predict(&fold, &candidates, &mut trials, watch)?;
+                if let Some(law) = predict(&link_model, &fold, &candidates, &mut trials, watch)? {
+                    link_model = link_model.with_first_law(law);
+                }
             }
         }
         let as_good = as_good(&candidates, &trials.predicted);
@@ -202,8 +205,10 @@ impl Auto {
             strengths_agree,
             settles: true,
         };
-        let own_share = if prior.is_some() { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
-        let link_model = self.link_model.with_own_share(own_share);
+        // Usual links tell nothing of links that seem independent.
+        let is_own_law = prior.is_some() || as_good.is_some();
+        let own_share = if is_own_law { 1.0 } else { OpinionConstants::LEARNT.own_share_at(gain.mean()) };
+        let link_model = link_model.with_own_share(own_share);
         candidates[LINKS] = Candidate::LinkModel(&link_model);
         let (mut number, mut reason) = rules::choose(&facts, LINKS);
         let (mut map, mut fit) = candidates[number].map(log, prior, watch)?;
@@ -213,12 +218,16 @@ impl Auto {
             (map, fit) = candidates[number].map(log, prior, watch)?;
         }
         let candidate = candidates[number];
-        let enlargement = agreement::enlargement(&parts[number]);
+        // The regions of the link model know that its law is estimated.
+        let least = if number == LINKS { 1.0 } else { unsure_of_law(heard.len()) };
+        let enlargement = agreement::enlargement(&parts[number]).max(least);
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
-                OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT)
+                let joined =
+                    OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT);
+                joined.map(|joined| if is_own_law { Opinions { own_share: 1.0, ..joined } } else { joined })
             }
             _ => None,
         };
@@ -232,37 +241,6 @@ impl Auto {
         let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, reach_m / STEPS_PER_REACH);
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
     }
-
-    /// Takes what each candidate makes of `fold`.
-    fn predict(
-        &self,
-        fold: &Fold<'_>,
-        candidates: &[Candidate<'_>],
-        trials: &mut Trials,
-        watch: &dyn Watch,
-    ) -> Result<(), MapError> {
-        let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
-        let Trials { predicted, parts, has_strengths, gain } = trials;
-        *has_strengths |= law.is_some_and(|law| law.receiver.is_some());
-        for (number, candidate) in candidates.iter().enumerate() {
-            match candidate {
-                Candidate::LinkModel(_) => {
-                    predicted[number].begin_fold();
-                    predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
-                }
-                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
-                    if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
-                        continue;
-                    }
-                    let (map, fit) = candidate.map(&fold.rest, None, watch)?;
-                    predicted[number].begin_fold();
-                    predict::independent(fold, &map, fit.as_ref(), &mut predicted[number]);
-                    parts[number].push(map);
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Trials {
@@ -270,6 +248,37 @@ impl Trials {
     fn strengths_agree(&self, number: usize) -> bool {
         !self.has_strengths || score::strengths_confirm(&self.predicted[number], &self.predicted[LINKS])
     }
+}
+
+/// Takes what each candidate makes of `fold`; the law of its links.
+fn predict(
+    link_model: &LinkModel,
+    fold: &Fold<'_>,
+    candidates: &[Candidate<'_>],
+    trials: &mut Trials,
+    watch: &dyn Watch,
+) -> Result<Option<Law>, MapError> {
+    let (of_links, law) = link_model.map(&fold.rest, None, watch)?;
+    let Trials { predicted, parts, has_strengths, gain } = trials;
+    *has_strengths |= law.is_some_and(|law| law.receiver.is_some());
+    for (number, candidate) in candidates.iter().enumerate() {
+        match candidate {
+            Candidate::LinkModel(_) => {
+                predicted[number].begin_fold();
+                predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
+            }
+            Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
+                if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
+                    continue;
+                }
+                let (map, fit) = candidate.map(&fold.rest, None, watch)?;
+                predicted[number].begin_fold();
+                predict::independent(fold, &map, fit.as_ref(), &mut predicted[number]);
+                parts[number].push(map);
+            }
+        }
+    }
+    Ok(law.map(|law| law.law))
 }
 
 /// The gains of the sectors in which nodes of a log were heard, if it knows both: those that were measured, or of an antenna

@@ -85,13 +85,13 @@ pub(super) const WORK: u64 = 2;
 
 /// The law of highest evidence, with the places of nodes integrated out (type II maximum likelihood): no place has to be
 /// known for it. Outages are estimated with it. Where the log has strengths, the law by which nodes are placed is shrunk toward
-/// that of usual links, so that the log has `own_share` in it.
+/// that of usual links, so that the log has `own_share` in it. The search begins at the `first` law, if one is known: it is near.
 pub(super) fn find(
     links: &PlaceLinks,
     window: &LinkWindow<'_>,
     is_spatial: bool,
     hearing: &Hearing,
-    own_share: f64,
+    (first, own_share): (Option<Law>, f64),
     watch: &dyn Watch,
 ) -> Result<FoundLaw, Interrupted> {
     let thinned = thinned(links);
@@ -107,10 +107,12 @@ pub(super) fn find(
         .collect();
     let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
     let family = LawFamily::Real { fading_db };
-    let law = start(&thinned, &samples);
+    let start = start(&thinned, &samples);
+    let law = first.map_or(start, |first| first.at(start.distance_m));
+    let scales: [&[usize]; 2] = if first.is_some() { [&[1], &[1, 2]] } else { [&[0, 1], &[0, 1, 2]] };
     let mut found = FoundLaw { law, placing: law, outages: usual, rounds: 0, settled: false };
-    for pass in 0..WORK {
-        climb(&samples, &mut found, family, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
+    for (pass, scales) in scales.into_iter().enumerate() {
+        climb(&samples, &mut found, family, scales, watch)?;
         let law = found.law;
         let told: Vec<(ExpectedMargins, Vec<NodeAndPlace>)> = samples
             .par_iter()

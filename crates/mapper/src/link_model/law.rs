@@ -53,6 +53,17 @@ impl Law {
         self.offset == 0.0 && self.direction == 0.0
     }
 
+    /// Whether no part of it is absent, so that a search that begins at it can reach all laws.
+    pub(super) fn has_all_parts(&self) -> bool {
+        self.offset > 0.0 && self.direction > 0.0 && self.slope_spread > 0.0 && self.shared > 0.0
+    }
+
+    /// The same law, with its margin at another distance (m).
+    pub(super) fn at(&self, distance_m: f64) -> Self {
+        let margin = self.margin - self.slope * libm::log(distance_m / self.distance_m);
+        Self { margin, distance_m, ..*self }
+    }
+
     /// Whether links share nothing but the distance.
     pub(super) fn has_independent_links(&self) -> bool {
         self.shared == 0.0 && self.has_alike_nodes()
@@ -186,19 +197,28 @@ const LEAST_SHARED: f64 = 0.3;
 mod tests {
     use super::*;
 
+    const LAW: Law = Law {
+        margin: 2.0,
+        distance_m: 8.0,
+        slope: 3.0,
+        shadowing: 2.0,
+        shared: 0.9,
+        correlation_m: 40.0,
+        offset: 0.1,
+        direction: 1.5,
+        slope_spread: 0.4,
+    };
+
+    #[test]
+    fn a_law_at_another_distance_has_the_same_margins() {
+        let moved = LAW.at(20.0);
+        assert!((moved.at_one_metre() - LAW.at_one_metre()).abs() < 1e-12 && moved.margin < LAW.margin, "{moved:?}");
+        assert!(LAW.has_all_parts() && !LAW.of_alike_nodes().has_all_parts());
+    }
+
     #[test]
     fn a_law_is_drawn_toward_usual_links_by_geometric_means() {
-        let law = Law {
-            margin: 2.0,
-            distance_m: 8.0,
-            slope: 3.0,
-            shadowing: 2.0,
-            shared: 0.9,
-            correlation_m: 40.0,
-            offset: 0.1,
-            direction: 1.5,
-            slope_spread: 0.4,
-        };
+        let law = LAW;
         let (fading_db, median_m) = (4.0, 10.0);
         let is_near = |a: f64, b: f64| (a - b).abs() < 1e-12 * b;
         let own = law.shrunk(1.0, fading_db, median_m);

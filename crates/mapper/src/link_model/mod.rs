@@ -7,6 +7,7 @@ mod hearing;
 mod law;
 mod likelihood;
 mod links;
+mod locate;
 mod losses;
 mod outages;
 mod parts;
@@ -31,22 +32,21 @@ use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::heights::check_z_range;
-use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
 use crate::parts::PartEstimator;
-use crate::posterior::{Concern, Estimate, FitState, PlacePrior, Verdict};
+use crate::posterior::{Estimate, FitState, PlacePrior};
 use crate::survey_frame::Axes;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 use fit::FoundLaw;
 use hearing::Hearing;
 pub use law::Law;
-use links::{NodeLinks, PlaceLinks};
+use links::PlaceLinks;
+use locate::{ModelWithLaw, VERTICES};
 pub use losses::Losses;
 use outages::Outages;
-use posterior::{GridPosterior, HeardLinks, PriorGrid};
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
-use window::{Bounds, LinkWindow};
+use window::LinkWindow;
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +78,17 @@ pub struct LinkModel {
     config: LinkModelConfig,
     /// How much of the law by which nodes are placed is that of the log, 0 to 1; the rest is that of usual links.
     own_share: f64,
+    /// How margins become packets and strengths, if it is known.
+    hearing: Option<KnownHearing>,
+    /// The law at which the search for one begins, if it is known.
+    first_law: Option<Law>,
+}
+
+/// How margins become packets and strengths, as a log told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct KnownHearing {
+    receiver: Option<Receiver>,
+    losses: Losses,
 }
 
 /// Which measurements a map used.
@@ -130,8 +141,6 @@ impl LinkFit {
     }
 }
 
-/// Vertices of the coarse and the fine grid of a node, in the plane and in space.
-const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
 /// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
 const LEVEL: f64 = 0.025;
 impl LinkModel {
@@ -143,6 +152,20 @@ impl LinkModel {
     #[must_use]
     pub fn with_own_share(self, own_share: f64) -> Self {
         Self { own_share, ..self }
+    }
+
+    /// The same model, with receivers and losses as `log` tells them, for maps of its parts: nothing in these depends on a place.
+    pub(crate) fn with_hearing_of(self, log: &ReceptionLog) -> Self {
+        let hearing = PlaceLinks::of(log, self.config.rssi).map(|links| {
+            let hearing = Hearing::of(&links, self.config.rssi);
+            KnownHearing { receiver: hearing.receiver, losses: hearing.counts.losses() }
+        });
+        Self { hearing, ..self }
+    }
+
+    /// The same model, whose search for a law begins at that of another part of the log.
+    pub(crate) fn with_first_law(self, law: Law) -> Self {
+        Self { first_law: law.has_all_parts().then_some(law), ..self }
     }
 
     /// The kinds of knowledge that it uses.
@@ -195,14 +218,17 @@ impl LinkModel {
         let is_spatial = heights.high_m > heights.low_m;
         let window = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
         watch.begin(Self::work(links, is_spatial));
-        let hearing = Hearing::of(links, self.config.rssi);
+        let hearing = match self.hearing {
+            Some(KnownHearing { receiver, losses }) => Hearing::new(links, receiver, losses),
+            None => Hearing::of(links, self.config.rssi),
+        };
         let FoundLaw { law, placing, outages, rounds, settled } =
-            fit::find(links, &window, is_spatial, &hearing, self.own_share, watch)?;
+            fit::find(links, &window, is_spatial, &hearing, (self.first_law, self.own_share), watch)?;
         let settled = settled && !law.is_at_bound();
         let evidence = evidence(links, hearing.receiver.is_some());
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
         let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
-        let inflation = inflation(heard) * if placing.has_alike_nodes() { OF_SIMPLE_LAW } else { 1.0 };
+        let inflation = unsure_of_law(heard) * if placing.has_alike_nodes() { OF_SIMPLE_LAW } else { 1.0 };
         Ok(Some(Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation }))
     }
 
@@ -229,7 +255,7 @@ fn evidence(links: &PlaceLinks, uses_rssi: bool) -> LinkEvidence {
 /// The factor on variances of places whose law was estimated from `nodes` nodes. The form is that of the final prediction error
 /// (Akaike 1969), which grows by the number of parameters for each observation. The constants are those with which regions hold
 /// what they say on logs of one, a few and many nodes.
-fn inflation(nodes: usize) -> f64 {
+pub(crate) fn unsure_of_law(nodes: usize) -> f64 {
     1.0 + 10.0 / (nodes as f64 + 4.0)
 }
 
@@ -284,77 +310,12 @@ impl Learned<'_> {
     }
 }
 
-/// The model with its law.
-struct ModelWithLaw<'a> {
-    law: Law,
-    hearing: &'a Hearing,
-    outages: &'a Outages,
-    links: &'a PlaceLinks,
-    window: &'a LinkWindow<'a>,
-    is_spatial: bool,
-    /// Factor on covariances.
-    inflation: f64,
-}
-
-impl ModelWithLaw<'_> {
-    /// Where `node` is, and the number of vertices looked at.
-    fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let heard = (self.hearing, self.outages);
-        let mut evidence = HeardLinks::new(node, self.links, self.window, heard, !self.law.has_independent_links());
-        let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
-        let mut scratch = Vec::new();
-        let coarse = evidence.grid(self.window, coarse);
-        let first = evidence.posterior(&self.law, &coarse, &mut scratch);
-        self.weigh(&mut evidence, &coarse, &first);
-        let second = evidence.posterior(&self.law, &coarse, &mut scratch);
-        self.weigh(&mut evidence, &coarse, &second);
-        let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
-        let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
-        let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
-        let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
-        let GridPosterior { mean, covariance, highest, .. } = posterior;
-        let estimate = Estimate {
-            position: mean,
-            log_likelihood: Some(highest),
-            ties: 1,
-            covariance: Some(covariance.map(|row| row.map(|entry| entry * self.inflation))),
-            infeasible: false,
-            concern,
-        };
-        (estimate, vertices)
-    }
-
-    /// Weighs silence and margins where a posterior places the node.
-    fn weigh(&self, evidence: &mut HeardLinks<'_>, grid: &PriorGrid, posterior: &GridPosterior) {
-        let expected = evidence.expected(&self.law, grid, posterior, self.links);
-        let pairs = evidence.pairs(&expected, self.hearing);
-        evidence.set_outages(self.outages, &pairs);
-        evidence.refine(&self.law, expected, self.links, self.hearing);
-    }
-
-    /// What the window says of a posterior. The coarse grid spans all of the window, and the fine one its likely part.
-    fn concern(&self, node: &NodeLinks, [coarse, fine]: [(&PriorGrid, &GridPosterior); 2]) -> Option<Concern> {
-        let mut verdict = Verdict::default();
-        let (grid, posterior) = coarse;
-        for (log_density, log_likelihood) in grid.logarithms(posterior) {
-            verdict.take_dense(log_density, log_likelihood);
-        }
-        let Bounds { low, high } = self.window.of(node);
-        let area = SearchBox { low, high, is_guessed: self.window.is_guessed() };
-        let (grid, posterior) = fine;
-        let shares = || grid.vertices.iter().zip(posterior.shares.iter().copied());
-        let highest = shares().map(|(_, share)| share).fold(0.0, f64::max);
-        let at_edge = shares().filter(|(vertex, _)| area.is_at_edge(**vertex, grid.step_m));
-        verdict.concern(libm::log(highest / at_edge.map(|(_, share)| share).fold(0.0, f64::max)))
-    }
-}
-
 impl TryFrom<LinkModelConfig> for LinkModel {
     type Error = SettingError;
 
     fn try_from(config: LinkModelConfig) -> Result<Self, SettingError> {
         check_z_range(config.z_range_m)?;
-        Ok(Self { config, own_share: 1.0 })
+        Ok(Self { config, own_share: 1.0, hearing: None, first_law: None })
     }
 }
 

@@ -185,7 +185,7 @@ fn the_log_chooses_the_model_that_its_links_follow() {
     let by_strengths = chosen(World { rssi: true, ..World::usual() });
     assert!(by_strengths.gain.unwrap() > 0.0 && by_strengths.link_model_power > 0.99, "its law is that of the links");
     let names: Vec<_> = by_strengths.others.iter().map(|other| other.estimator).collect();
-    assert_eq!(names, ["gaussian-process", "strongest-stop"]);
+    assert_eq!(names, ["rssi-centroid", "strongest-stop"]);
 }
 
 #[test]

@@ -6,8 +6,8 @@
 /// site left out, and `docs/link-model.md` has its table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpinionConstants {
-    /// Scale of the peak of a Gaussian process, as a share of the usual length of a link.
-    pub peak: f64,
+    /// Scale of the centroid by strengths, as a share of the usual length of a link.
+    pub rssi_centroid: f64,
     /// That of the strongest stop.
     pub strongest: f64,
     /// That of the packet centroid.
@@ -41,7 +41,7 @@ pub struct OpinionConstants {
 impl OpinionConstants {
     /// Those that `auto` uses.
     pub const LEARNT: Self = Self {
-        peak: 0.30,
+        rssi_centroid: 0.30,
         strongest: 0.29,
         centroid: 0.65,
         freedom: 2.0,

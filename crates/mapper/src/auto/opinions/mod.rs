@@ -13,16 +13,16 @@ use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 pub(super) use self::gain::GainOfLaw;
 use self::heavy_tailed::{HeavyTailed, together};
 pub use self::learnt::OpinionConstants;
-use crate::comparators::strengths::{peak, strongest_place};
-use crate::comparators::{Comparator, GaussianProcess, PacketCentroid, StrongestStop};
+use crate::comparators::strengths::{centroid, strongest_place};
+use crate::comparators::{Comparator, PacketCentroid, RssiCentroid, StrongestStop};
 use crate::log_facts::strengths::strengths;
 use crate::posterior::Estimate;
 use crate::topology_map::TopologyMap;
 
 /// How much the link model and other opinions count for the places of a map.
 ///
-/// Where a log has strengths, these are the peak of a Gaussian process of the strengths of a node, and its strongest stop; else
-/// the centroid of the stops that heard it, by the sixth power of their shares. Each is a Student distribution round its place, to a
+/// Where a log has strengths, these are the centroid of the stops that heard a node, by the square of the received power, and its
+/// strongest stop; else the centroid by the sixth power of the shares. Each is a Student distribution round its place, to a
 /// power because they come from the same evidence. The posterior of the link model is a Student distribution too. It counts less
 /// where its law explains strengths worse than fields without distance do, and the others count less where it explains them better.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,13 +49,14 @@ pub struct Opinion {
     pub scale_m: f64,
 }
 
-/// Power of the shares of the packet centroid.
+/// Power of the shares of the packet centroid, and of the received powers of the one by strengths.
 const CENTROID_POWER: f64 = 6.0;
+const RSSI_POWER: f64 = 2.0;
 
 /// From what the opinions beside the link model come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpinionSource {
-    /// Strengths: the peak of a Gaussian process, and the strongest stop.
+    /// Strengths: their centroid, and the strongest stop.
     Strengths,
     /// Packets alone: their centroid.
     Packets,
@@ -78,7 +79,7 @@ impl Opinions {
         let beyond = libm::exp(constants.wider_a_nat * (told - high).max(0.0));
         let wider = (between(constants.wider) * beyond).min(constants.widest);
         let others = vec![
-            opinion(GaussianProcess::NAME, wider * constants.peak),
+            opinion(RssiCentroid::NAME, wider * constants.rssi_centroid),
             opinion(StrongestStop::NAME, wider * constants.strongest),
         ];
         // A law that gains much is one of these links: it errs no more than it says.
@@ -133,7 +134,7 @@ impl OpinionSource {
         match self {
             Self::Strengths => {
                 let strengths = strengths(log, node);
-                let places = vec![peak(&strengths, None)?, strongest_place(&strengths)?];
+                let places = vec![centroid(&strengths, RSSI_POWER)?, strongest_place(&strengths)?];
                 Some(Told { places, heard_at: strengths.iter().map(|strength| strength.place).collect() })
             }
             Self::Packets => {

@@ -82,7 +82,7 @@ impl Comparator for GaussianProcess {
 }
 
 /// Where the process of these strengths is greatest, at the height `level_m` if there is one; `None` without strengths.
-pub(crate) fn peak(strengths: &[Strength], level_m: Option<f64>) -> Option<Position> {
+fn peak(strengths: &[Strength], level_m: Option<f64>) -> Option<Position> {
     let mut strongest = strongest_first(strengths);
     if let Some(level_m) = level_m {
         strongest.iter_mut().for_each(|strength| strength.place.z_m = level_m);

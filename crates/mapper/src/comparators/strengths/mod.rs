@@ -6,8 +6,9 @@ mod rssi_centroid;
 mod strongest_stop;
 
 pub use gaussian_process::{GaussianProcess, GaussianProcessConfig};
-pub(crate) use gaussian_process::{Process, peak, strongest_first};
+pub(crate) use gaussian_process::{Process, strongest_first};
 pub use log_distance::{LogDistance, LogDistanceConfig};
+pub(crate) use rssi_centroid::centroid;
 pub use rssi_centroid::{RssiCentroid, RssiCentroidConfig};
 pub(crate) use strongest_stop::strongest_place;
 pub use strongest_stop::{StrongestStop, StrongestStopConfig};

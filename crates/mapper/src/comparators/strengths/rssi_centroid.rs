@@ -58,7 +58,7 @@ impl Comparator for RssiCentroid {
 }
 
 /// The centroid of the places weighted by the received powers to the power `g`; `None` without strengths.
-pub(super) fn centroid(strengths: &[Strength], g: f64) -> Option<Position> {
+pub(crate) fn centroid(strengths: &[Strength], g: f64) -> Option<Position> {
     // Relative to the greatest power, so that no sum underflows.
     let greatest_dbm = strengths.iter().map(|strength| strength.rssi_dbm).reduce(f64::max)?;
     let (mut sum, mut total) = (Position::ORIGIN, 0.0);
