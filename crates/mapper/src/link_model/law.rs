@@ -200,6 +200,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn too_little_shadowing_to_be_told_is_no_bound_on_which_places_hang() {
+        let law = Law {
+            margin: 2.0,
+            distance_m: 8.0,
+            slope: 3.0,
+            shadowing: 0.1,
+            shared: 0.9,
+            correlation_m: 40.0,
+            offset: 0.1,
+            direction: 0.3,
+            slope_spread: 0.1,
+        };
+        assert!(!law.is_at_bound());
+        assert!(Law { shadowing: 8.0, ..law }.is_at_bound());
+        assert!(Law { slope: SLOPES[0], ..law }.is_at_bound() && Law { slope: SLOPES[1], ..law }.is_at_bound());
+        assert!(Law { margin: 40.0, ..law }.is_at_bound());
+    }
+
+    #[test]
     fn a_law_is_drawn_toward_usual_links_by_geometric_means() {
         let law = Law {
             margin: 2.0,
