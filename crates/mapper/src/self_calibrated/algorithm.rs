@@ -106,7 +106,7 @@ impl Calibration {
     fn shares_at_stops(&self) -> Option<impl Fn(Position, usize, &Stop) -> f64 + Sync> {
         let shares = self.shares()?;
         let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
-        Some(move |place, number: usize, stop: &Stop| {
+        Some(move |place: Position, number: usize, stop: &Stop| {
             let efficiency = self.efficiency.get(number).map_or(1.0, |own| own / usual.max(1e-9));
             (efficiency * shares.at(place, stop.position)).min(1.0)
         })
