@@ -58,6 +58,7 @@ mod range_ml;
 mod ranging;
 mod rss_grid;
 mod self_calibrated;
+mod shared_error;
 mod stitch;
 mod suitable;
 mod surface;
@@ -101,8 +102,8 @@ pub use learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, Stati
 pub use link_dependence::LinkDependence;
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
 pub use log_facts::{
-    HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig,
-    SoughtHeights,
+    GrossStrength, HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule,
+    SoftSectorsConfig, SoughtHeights, gross_strengths,
 };
 pub use metrics::{
     AlignmentError, ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, Reflection,

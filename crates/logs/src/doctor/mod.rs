@@ -23,6 +23,7 @@ mod node_fit;
 mod node_strengths;
 mod origin;
 mod outlying;
+mod outlying_strengths;
 pub(super) mod part;
 mod pile;
 pub(super) mod repeated;
@@ -97,7 +98,8 @@ pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let law = (places && times && extent.is_none()).then(|| DistanceLaw::of(log)).flatten();
     let no_distance = law.as_ref().and_then(no_distance::finding);
     let moved = law.as_ref().and_then(|law| moved::finding(log, law));
-    [extent, losses::finding(log), twins::finding(log), no_distance, moved, wide_sectors::finding(log)]
+    let strengths = outlying_strengths::finding(log);
+    [extent, losses::finding(log), twins::finding(log), strengths, no_distance, moved, wide_sectors::finding(log)]
         .into_iter()
         .flatten()
         .collect()

@@ -174,6 +174,25 @@ fn two_names_of_one_node_are_found() {
 }
 
 #[test]
+fn a_strength_that_no_place_explains_is_named_with_its_node_and_stop() {
+    let log = good();
+    // The stop that hears n5 weakest has one digit too few.
+    let of_node = || log.of(NodeId(5)).iter().filter_map(|row| Some((row.stop, row.rssi_dbm?)));
+    let (weakest, _) = of_node().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let wrong = |row: Reception| match row {
+        Reception { node: NodeId(5), stop, rssi_dbm: Some(_), .. } if stop == weakest => {
+            Reception { rssi_dbm: Some(-7.0), ..row }
+        }
+        row => row,
+    };
+    let found = findings(&changed(&log, |stop| stop, wrong));
+    let found: Vec<&Finding> = found.iter().filter(|finding| finding.check == "outlying-strengths").collect();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].odd.contains(&format!("n5 at stop {weakest}: -7 dBm is ")), "{}", found[0].odd);
+    assert!(found[0].odd.contains(" dB above what its other "), "{}", found[0].odd);
+}
+
+#[test]
 fn a_node_that_moves_during_the_survey_is_found() {
     // The lanes are driven twice; in between n5 is carried to the other end of the hall.
     let twice = [lanes(), lanes()].concat();

@@ -3,6 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, SectorReport, Stop};
 use sextant_kernel::NodeId;
 
+use crate::numerics::halves::halve;
+
 /// At most so many nodes are mapped without a fold, in the plane and in space.
 const NODES: [usize; 2] = [32, 14];
 /// Number of folds, and of blocks of neighbouring stops that each has.
@@ -144,8 +146,7 @@ fn part(
     part.unwrap_or_else(|error| unreachable!("a part of a log is a log: {error}"))
 }
 
-/// The fold of each place. The places are cut into halves by their wider axis again and again, so that neighbours follow each
-/// other; blocks of them are dealt out in turn.
+/// The fold of each place. Blocks of neighbours are dealt out in turn.
 fn folds(places: &[Position]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..places.len()).collect();
     halve(&mut order, places);
@@ -154,21 +155,4 @@ fn folds(places: &[Position]) -> Vec<usize> {
         fold_of[place] = rank * FOLDS * BLOCKS / places.len() % FOLDS;
     }
     fold_of
-}
-
-fn halve(part: &mut [usize], places: &[Position]) {
-    if part.len() < 2 {
-        return;
-    }
-    let along = |place: usize, axis: usize| <[f64; 3]>::from(places[place])[axis];
-    let width_m = |axis: usize| {
-        let ends = part.iter().map(|&place| along(place, axis));
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        high - low
-    };
-    let axis = usize::from(width_m(0) < width_m(1));
-    part.sort_by(|&a, &b| along(a, axis).total_cmp(&along(b, axis)).then(a.cmp(&b)));
-    let (low, high) = part.split_at_mut(part.len() / 2);
-    halve(low, places);
-    halve(high, places);
 }

@@ -35,6 +35,7 @@ use crate::posterior::{EstimateKind, PlacePrior};
 use crate::profile::{FittedConfig, ProfileConfig};
 use crate::range_ml::RangeMlConfig;
 use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
+use crate::shared_error;
 use crate::survey_frame::Axes;
 use crate::topology_map::TopologyMap;
 
@@ -92,7 +93,7 @@ pub struct Choice {
     /// What it estimated with the map.
     pub fit: Option<EstimatorFit>,
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
-    /// its own regions tell.
+    /// its own regions tell, or neighbouring stops have more in common than it knows.
     pub enlargement: f64,
     /// The other opinions on each place, if they are in the map.
     pub opinions: Option<Opinions>,
@@ -219,9 +220,12 @@ impl Auto {
         }
         let candidate = candidates[number];
         // The regions of the link model know that its law is estimated.
-        let least = if number == LINKS { 1.0 } else { unsure_of_law(heard.len()) };
+        let least = match candidate {
+            Candidate::LinkModel(_) => 1.0,
+            _ => fit.as_ref().map_or(1.0, |fit| fit.shared_error(log, &map)).max(unsure_of_law(heard.len())),
+        };
         let enlargement = agreement::enlargement(&parts[number]).max(least);
-        enlarge(&mut map, enlargement);
+        map.enlarge(enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
@@ -240,6 +244,20 @@ impl Auto {
     fn is_spatial(&self, log: &ReceptionLog, reach_m: f64) -> bool {
         let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, reach_m / STEPS_PER_REACH);
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
+    }
+}
+
+impl EstimatorFit {
+    /// The factor on the variances of `map` for what neighbouring stops have in common.
+    fn shared_error(&self, log: &ReceptionLog, map: &TopologyMap) -> f64 {
+        match self {
+            Self::Profile(fit) => shared_error::factor(log, map, |place, _, stop| {
+                fit.curve.probability(place.distance_m(stop.position))
+            }),
+            Self::Calibration(calibration) => calibration.shared_error(log, map),
+            // A law of links knows it, and gains of an antenna are beyond it.
+            Self::Links(_) | Self::Pattern(_) => 1.0,
+        }
     }
 }
 
@@ -293,13 +311,6 @@ fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
 fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
     let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
     has_curve && 2 * map.concerns().count() <= map.mapped()
-}
-
-/// Enlarges the variances of a map by a factor.
-fn enlarge(map: &mut TopologyMap, factor: f64) {
-    for covariance in map.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
-        *covariance = covariance.map(|row| row.map(|entry| factor * entry));
-    }
 }
 
 /// The number of the most trusted candidate of independent packets, if it predicts as well as the link model does.

@@ -142,9 +142,11 @@ impl Law {
         }
     }
 
-    /// Whether a parameter is at its bound.
+    /// Whether a parameter on which places hang is at its bound. Shadowing that is too small to be told is as good as none.
     pub(super) fn is_at_bound(&self) -> bool {
-        (0..3).any(|number| [-0.25, 0.25].iter().any(|&step| self.moved(number, step).is_none()))
+        [(0, -0.25), (0, 0.25), (1, -0.25), (1, 0.25), (2, 0.25)]
+            .iter()
+            .any(|&(number, step)| self.moved(number, step).is_none())
     }
 }
 
@@ -214,6 +216,25 @@ mod tests {
         let moved = LAW.at(20.0);
         assert!((moved.at_one_metre() - LAW.at_one_metre()).abs() < 1e-12 && moved.margin < LAW.margin, "{moved:?}");
         assert!(LAW.has_all_parts() && !LAW.of_alike_nodes().has_all_parts());
+    }
+
+    #[test]
+    fn too_little_shadowing_to_be_told_is_no_bound_on_which_places_hang() {
+        let law = Law {
+            margin: 2.0,
+            distance_m: 8.0,
+            slope: 3.0,
+            shadowing: 0.1,
+            shared: 0.9,
+            correlation_m: 40.0,
+            offset: 0.1,
+            direction: 0.3,
+            slope_spread: 0.1,
+        };
+        assert!(!law.is_at_bound());
+        assert!(Law { shadowing: 8.0, ..law }.is_at_bound());
+        assert!(Law { slope: SLOPES[0], ..law }.is_at_bound() && Law { slope: SLOPES[1], ..law }.is_at_bound());
+        assert!(Law { margin: 40.0, ..law }.is_at_bound());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
+use crate::log_facts::gross_strengths;
 use crate::log_facts::reach::{HeardNode, heard_nodes, reach_m};
 
 /// A node is tied to at most about this many places.
@@ -198,13 +199,15 @@ fn node_links(log: &ReceptionLog, heard: HeardNode, cells: &StopCells, reach_m: 
     let opened = cells.opened(log, heard.node);
     let fine = cells.fine.len();
     let mut sums: BTreeMap<usize, PlaceSums> = BTreeMap::new();
+    let gross = if cells.uses_rssi { gross_strengths::of_node(log, heard.node) } else { Vec::new() };
     for Reception { stop, received, sent, rssi_dbm, .. } in log.of(heard.node).iter() {
         let (place, cell) = (cells.fine_of[stop as usize], cells.coarse_of[stop as usize]);
         let sum = sums.entry(if opened[cell] { place } else { fine + cell }).or_default();
         sum.listed += 1;
         sum.received += u64::from(received);
         sum.sent += u64::from(sent);
-        if let Some(rssi_dbm) = rssi_dbm.filter(|_| received > 0 && cells.uses_rssi) {
+        let is_gross = gross.iter().any(|gross| gross.stop == stop);
+        if let Some(rssi_dbm) = rssi_dbm.filter(|_| received > 0 && cells.uses_rssi && !is_gross) {
             sum.rssi += rssi_dbm * f64::from(received);
             sum.measured += f64::from(received);
         }

@@ -5,6 +5,7 @@ use super::law::Law;
 use super::links::{NodeLinks, PlaceLinks};
 use super::outages::Outages;
 use super::posterior::{GridPosterior, HeardLinks, PriorGrid};
+use super::unknown::wider;
 use super::window::{Bounds, LinkWindow};
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::{Concern, Estimate, Verdict};
@@ -39,13 +40,14 @@ impl ModelWithLaw<'_> {
         let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
         let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
+        let (unknown_m2, concern) = self.unknown(node, &evidence, (&fine, &posterior), concern);
         let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
         let GridPosterior { mean, covariance, highest, .. } = posterior;
         let estimate = Estimate {
             position: mean,
             log_likelihood: Some(highest),
             ties: 1,
-            covariance: Some(covariance.map(|row| row.map(|entry| entry * self.inflation))),
+            covariance: Some(wider(covariance.map(|row| row.map(|entry| entry * self.inflation)), unknown_m2)),
             infeasible: false,
             concern,
         };
@@ -71,8 +73,11 @@ impl ModelWithLaw<'_> {
         let area = SearchBox { low, high, is_guessed: self.window.is_guessed() };
         let (grid, posterior) = fine;
         let shares = || grid.vertices.iter().zip(posterior.shares.iter().copied());
+        let best = shares().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(&place, _)| place);
+        let is_on_border = best.and_then(|best| self.window.to_border_m(best)).is_some_and(|to_m| to_m < grid.step_m);
         let highest = shares().map(|(_, share)| share).fold(0.0, f64::max);
         let at_edge = shares().filter(|(vertex, _)| area.is_at_edge(**vertex, grid.step_m));
-        verdict.concern(libm::log(highest / at_edge.map(|(_, share)| share).fold(0.0, f64::max)))
+        let edge_below = libm::log(highest / at_edge.map(|(_, share)| share).fold(0.0, f64::max));
+        verdict.concern(if is_on_border { 0.0 } else { edge_below })
     }
 }

@@ -18,6 +18,7 @@ mod receiver_trial;
 mod report;
 mod site;
 mod tables;
+mod unknown;
 mod window;
 
 use rayon::prelude::*;

@@ -164,6 +164,36 @@ impl<'a> HeardLinks<'a> {
         PriorGrid::new(vertices, step_m, log_densities, columns)
     }
 
+    /// A grid of about `count` vertices over all places within reach, of which none is likelier than others.
+    pub(super) fn even_grid(&self, window: &LinkWindow<'_>, count: f64) -> PriorGrid {
+        let (vertices, step_m) = window.within_reach(self.node).vertices(count);
+        let columns = Columns::new(&vertices, &self.places, |_| NEAREST * step_m);
+        let log_densities = vec![0.0; vertices.len()];
+        PriorGrid::new(vertices, step_m, log_densities, columns)
+    }
+
+    /// The posterior on `grid` under laws whose margins are higher than that of `law` by numbers with logarithms of weights.
+    pub(super) fn posterior_of_levels(&self, law: &Law, grid: &PriorGrid, levels: &[(f64, f64)]) -> GridPosterior {
+        let sums = self.sums(law, grid);
+        let mut each: Vec<Vec<f64>> = Vec::with_capacity(levels.len());
+        for &(higher, log_weight) in levels {
+            let mut logs = Vec::new();
+            sums.log_likelihoods(&Law { margin: law.margin + higher, ..*law }, &mut logs);
+            logs.truncate(grid.vertices.len());
+            logs.iter_mut().for_each(|log| *log += log_weight);
+            each.push(logs);
+        }
+        let logs: Vec<f64> = (0..grid.vertices.len())
+            .map(|vertex| {
+                log_sum(&each.iter().map(|logs| logs[vertex]).collect::<Vec<_>>()) + grid.log_densities[vertex]
+            })
+            .collect();
+        let highest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let shares = normalised(&logs);
+        let (mean, covariance) = moments(&grid.vertices, &shares, grid.step_m);
+        GridPosterior { mean, covariance, highest, shares }
+    }
+
     /// The posterior on `grid` under `law`. `scratch` is memory to use.
     pub(super) fn posterior(&self, law: &Law, grid: &PriorGrid, scratch: &mut Vec<f64>) -> GridPosterior {
         self.sums(law, grid).log_likelihoods(law, scratch);

@@ -16,6 +16,8 @@ const BEYOND_REACH: f64 = 0.35;
 const BEYOND_HEIGHT: f64 = 0.25;
 /// A node whose stops are higher or lower than all by more than this is on another floor (m).
 const ANOTHER_FLOOR_M: f64 = 1.5;
+/// Where nothing but the reach is known, a node is within so many times the reach.
+const REACHES: f64 = 2.0;
 /// The window ends after so many of these lengths.
 const LENGTHS: f64 = 4.0;
 
@@ -136,6 +138,32 @@ impl<'a> LinkWindow<'a> {
         };
         let bounds = [0, 1, 2].map(axis_bounds);
         Bounds { low: bounds.map(|[low, _]| low), high: bounds.map(|[_, high]| high) }
+    }
+
+    /// Where `node` can be if only its reach is known: within twice the reach of the places that heard it.
+    pub(super) fn within_reach(&self, node: &NodeLinks) -> Bounds {
+        let [corner_low, corner_high] = node.heard.corners;
+        let far_m = REACHES * self.reach_m.max(node.heard.farthest_m);
+        let mut bounds = self.of(node);
+        for axis in 0..2 {
+            bounds.low[axis] = corner_low[axis] - far_m;
+            bounds.high[axis] = corner_high[axis] + far_m;
+        }
+        bounds
+    }
+
+    /// How far `place` is beyond the box of the places, as a multiple of the length over which the density of nodes falls there; 0
+    /// inside it, and where an area is known.
+    pub(super) fn beyond(&self, place: Position) -> f64 {
+        let at: [f64; 3] = place.into();
+        let guessed = (0..2).filter(|&axis| self.is_guessed()[axis]);
+        let beyond_m = |axis: usize| (self.low[axis] - at[axis]).max(at[axis] - self.high[axis]);
+        guessed.map(|axis| beyond_m(axis) / self.length_m[axis]).fold(0.0, f64::max)
+    }
+
+    /// The distance of `place` from the border of the area in which nodes are known to be, if there is one (m).
+    pub(super) fn to_border_m(&self, place: Position) -> Option<f64> {
+        Some(self.prior?.area.as_ref()?.to_border_m(place))
     }
 
     /// Logarithm of the density of nodes at `place`, up to a constant.

@@ -3,6 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
+use super::gross_strengths;
 use crate::error::MapError;
 
 /// With what strength a stop received a node.
@@ -16,7 +17,17 @@ pub(crate) struct Strength {
 
 /// The strengths of `node`, stop by stop. A stop with several sectors has one for each sector that received the node.
 pub(crate) fn strengths(log: &ReceptionLog, node: NodeId) -> Vec<Strength> {
-    let receptions = log.of(node).iter().filter(|reception| reception.received > 0);
+    strengths_at(log, node, |_| true)
+}
+
+/// The same without those that contradict all others.
+pub(crate) fn sound_strengths(log: &ReceptionLog, node: NodeId) -> Vec<Strength> {
+    let gross = gross_strengths::of_node(log, node);
+    strengths_at(log, node, |stop| gross.iter().all(|gross| gross.stop != stop))
+}
+
+fn strengths_at(log: &ReceptionLog, node: NodeId, counts: impl Fn(u32) -> bool) -> Vec<Strength> {
+    let receptions = log.of(node).iter().filter(|reception| reception.received > 0 && counts(reception.stop));
     receptions
         .filter_map(|reception| {
             let place = log.stops()[reception.stop as usize].position;

@@ -8,7 +8,7 @@ use std::fmt;
 #[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum Concern {
     /// The 95 % region of the node reaches an end of the area in which it was searched for that no setting gives: the node
-    /// may be farther away.
+    /// may be farther away. Or its best place is on the border of the area that a setting gives.
     AtEdge,
     /// The fit that places the node did not settle: more rounds would move the node.
     Unsettled,
@@ -18,7 +18,8 @@ pub enum Concern {
     /// The ranges leave a second place, such as the mirror image across a straight way, with at least a twentieth of the
     /// probability.
     TwoPlaces,
-    /// The ranges of the node are fewer than a place and a bias need to be checked.
+    /// The ranges of the node are fewer than a place and a bias need to be checked, or the places from which somebody listened for
+    /// it are fewer than its place and its power need.
     TooFew,
 }
 

@@ -116,6 +116,11 @@ impl Area {
         Position { x_m, y_m, ..place }
     }
 
+    /// The distance of `place` from the border (m). Its height does not count.
+    pub(crate) fn to_border_m(&self, place: Position) -> f64 {
+        self.polygon.nearest_on_side([place.x_m, place.y_m]).1
+    }
+
     /// The smallest rectangle around the area: its lower left and its upper right corner (m).
     #[must_use]
     pub fn bounds(&self) -> [[f64; 2]; 2] {

@@ -3,8 +3,9 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
-    AlgorithmConfig, Calibration, Concern, EstimateKind, EstimatorFindings, FittedChannel, HeightReason, MapError,
-    Mapper, MlTmConfig, ProfileConfig, TopologyMap,
+    AlgorithmConfig, Area, AutoConfig, Calibration, Concern, EstimateKind, EstimatorFindings, FittedChannel,
+    HeightReason, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig, PlacePrior, ProfileConfig, Region,
+    TopologyMap,
 };
 
 fn draw(address: [u64; 3]) -> f64 {
@@ -206,4 +207,65 @@ fn the_channel_is_found_in_the_strengths_and_a_log_without_them_is_refused() {
     let refused = Mapper::try_from(strengths()).expect("good settings").map(&without).unwrap_err();
     assert!(matches!(refused, MapError::Missing { algorithm: "rss-grid", .. }), "{refused}");
     assert!(refused.to_string().contains("rssi_dbm"), "{refused}");
+}
+
+/// How many of the nodes are in their regions of 95 %.
+fn held(map: &TopologyMap, nodes: &[Position]) -> usize {
+    let regions =
+        map.estimates.iter().map(|estimate| Region::of_95(estimate.as_ref().expect("heard")).expect("a region"));
+    regions.zip(nodes).filter(|(region, node)| region.contains(**node)).count()
+}
+
+fn by_links() -> [AlgorithmConfig; 2] {
+    [AlgorithmConfig::LinkModel(LinkModelConfig::default()), AlgorithmConfig::Auto(AutoConfig::default())]
+}
+
+#[test]
+fn few_stops_leave_regions_as_wide_as_strengths_allow() {
+    let nodes = scattered(20, 12, [20.0, 12.0, 0.0]);
+    for stops in [vec![[3.0, 9.0]], vec![[3.0, 9.0], [0.0, 12.0]], vec![[3.0, 9.0], [0.0, 12.0], [6.0, 3.0]]] {
+        let stops: Vec<Position> = stops.into_iter().map(|[x_m, y_m]| Position::new(x_m, y_m, 0.0)).collect();
+        let log = log(&stops, &nodes, 60.0);
+        for config in by_links() {
+            let name = format!("{} stops, {config:?}", stops.len());
+            let (map, _) = map(config, &log);
+            assert!(all_have(&map, Concern::TooFew), "{name}: {:?}", map.concerns().collect::<Vec<_>>());
+            assert!(held(&map, &nodes) >= 11, "{name}: {} of 12", held(&map, &nodes));
+        }
+    }
+}
+
+#[test]
+fn nodes_beyond_all_stops_have_regions_that_hold_them_and_a_concern() {
+    let stops: Vec<Position> =
+        (0..48).map(|i| Position::new(3.0 * f64::from(i % 8), 3.0 * f64::from(i / 8), 0.0)).collect();
+    let beside = |i: u32| Position::new(2.0 + 1.5 * f64::from(i), if i % 2 == 0 { -8.0 } else { 23.0 }, 0.0);
+    let nodes: Vec<Position> = (0..12).map(beside).collect();
+    let log = log(&stops, &nodes, 60.0);
+    for config in by_links() {
+        let (map, _) = map(config.clone(), &log);
+        assert!(held(&map, &nodes) >= 10, "{config:?}: {} of 12", held(&map, &nodes));
+        let edge = map.concerns().filter(|&(_, concern)| concern == Concern::AtEdge).count();
+        assert!(edge >= 10, "{config:?}: {edge} of 12");
+    }
+}
+
+#[test]
+fn a_node_whose_best_place_is_on_the_border_of_an_area_has_a_concern() {
+    let nodes = scattered(21, 12, [20.0, 15.0, 0.0]);
+    let stops: Vec<Position> =
+        (0..48).map(|i| Position::new(3.0 * f64::from(i % 8), 3.0 * f64::from(i / 8), 0.0)).collect();
+    let log = log(&stops, &nodes, 30.0);
+    let model = LinkModel::try_from(LinkModelConfig::default()).expect("good settings");
+    let edge = |high: [f64; 2]| -> Vec<usize> {
+        let area = Area::rectangle([0.0, 0.0], high).expect("an area");
+        let prior = PlacePrior::new(Some(area), None).expect("a prior");
+        let (map, _) = model.map(&log, Some(&prior), &Unwatched).expect("a map");
+        map.concerns().filter(|&(_, concern)| concern == Concern::AtEdge).map(|(node, _)| node.index()).collect()
+    };
+    let wrong = edge([10.0, 7.0]);
+    let outside = (0..12).filter(|&node| nodes[node].x_m > 12.0 || nodes[node].y_m > 9.0);
+    let missed: Vec<usize> = outside.filter(|node| !wrong.contains(node)).collect();
+    assert!(missed.is_empty(), "{missed:?} of {wrong:?}");
+    assert!(edge([21.0, 15.0]).len() <= 2, "{:?}", edge([21.0, 15.0]));
 }

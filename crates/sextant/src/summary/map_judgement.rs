@@ -117,10 +117,12 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             Concern::TwoPlaces => {
                 format!("{has} two places that fit the ranges, each the mirror image of the other")
             }
-            Concern::TooFew => format!("{has} fewer ranges than a place needs"),
+            Concern::TooFew => format!("{has} fewer ranges or stops than a place needs"),
         };
         let advice = match concern {
-            Concern::AtEdge => "stops on their other side would tell where they are",
+            Concern::AtEdge => {
+                "stops on their other side, or a larger area if one is given, would tell where they are"
+            }
             Concern::Unsettled => "more rounds or more stops would tell where they are",
             Concern::NoEvidence => {
                 "stops where they are heard and others where they are not would tell where they are"
@@ -128,7 +130,7 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             Concern::TwoPlaces => {
                 "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
             }
-            Concern::TooFew => "ranges from more places would tell where they are",
+            Concern::TooFew => "ranges or stops at more places would tell where they are",
         };
         let (many, nodes) = (counted(count, "node"), listed(&nodes));
         let text = format!("{name}: warning: {many} {what}, so the position is unreliable: {nodes}; {advice}");

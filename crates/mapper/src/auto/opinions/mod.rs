@@ -15,8 +15,8 @@ use self::heavy_tailed::{HeavyTailed, together};
 pub use self::learnt::OpinionConstants;
 use crate::comparators::strengths::{centroid, strongest_place};
 use crate::comparators::{Comparator, PacketCentroid, RssiCentroid, StrongestStop};
-use crate::log_facts::strengths::strengths;
-use crate::posterior::Estimate;
+use crate::log_facts::strengths::sound_strengths;
+use crate::posterior::{Concern, Estimate};
 use crate::topology_map::TopologyMap;
 
 /// How much the link model and other opinions count for the places of a map.
@@ -92,6 +92,9 @@ impl Opinions {
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
     fn place(&self, estimate: &Estimate, others: &[Position], constants: &OpinionConstants) -> Option<Estimate> {
+        if matches!(estimate.concern, Some(Concern::AtEdge | Concern::TooFew)) {
+            return None;
+        }
         let covariance = estimate.covariance?;
         let error_m = self.link_model_error_m;
         let in_plane = |place: Position| Vector2::new(place.x_m, place.y_m);
@@ -133,7 +136,7 @@ impl OpinionSource {
     fn of_node(self, log: &ReceptionLog, node: NodeId) -> Option<Told> {
         match self {
             Self::Strengths => {
-                let strengths = strengths(log, node);
+                let strengths = sound_strengths(log, node);
                 let places = vec![centroid(&strengths, RSSI_POWER)?, strongest_place(&strengths)?];
                 Some(Told { places, heard_at: strengths.iter().map(|strength| strength.place).collect() })
             }
