@@ -23,7 +23,7 @@ JOBS = {
     "circular": ["run", "scenarios/ml-tm/circular.toml"],
     "survey": ["run", "scenarios/ml-tm/circular.toml", "--set", "maps=[]"],
     "saturated-star": ["run", "scenarios/mac/saturated-star.toml"],
-    "saturated-cell": ["run", "scenarios/tsch/saturated-cell.toml"],
+    "saturated-cell": ["run", "scenarios/tsch/saturated-cell.toml", "--set", "duration_s=1000.0"],
     "small-log": ["map", "docs/examples/walk"],
     "ranges": ["map", "docs/examples/uwb"],
 }
@@ -61,15 +61,15 @@ def main() -> int:
         parser.error(f"no job {', '.join(sorted(unknown))}; jobs are {', '.join(JOBS)}")
     if options.pairs < 1:
         parser.error(f"--pairs is {options.pairs}, and must be 1 or more")
-    old, new = options.old.resolve(), options.new.resolve()
+    programs = options.old.resolve(), options.new.resolve()
     print(f"{'job':<16}{'OLD':>8}{'NEW':>10}{'ratio':>8}  95 % interval")
     is_slower = False
     for name in options.jobs or JOBS:
         pairs = []
         for pair in range(options.pairs + 1):
-            order = (old, new) if pair % 2 == 0 else (new, old)
-            used = {program: cpu_s(program, JOBS[name]) for program in order}
-            pairs.append((used[old], used[new]))
+            first = cpu_s(programs[pair % 2], JOBS[name])
+            second = cpu_s(programs[1 - pair % 2], JOBS[name])
+            pairs.append((first, second) if pair % 2 == 0 else (second, first))
         before, after = zip(*pairs[1:])
         ratios = [new_s / old_s for old_s, new_s in pairs[1:]]
         low, high = interval(ratios)

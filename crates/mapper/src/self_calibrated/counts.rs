@@ -27,15 +27,13 @@ impl CountedLink {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
     entries: Vec<Reception>,
-    /// By stop, one more than the number of its entry; 0 for none.
-    of_stop: Vec<u32>,
 }
 
 impl Record {
     /// The entry for a stop, if the log has one.
     fn at(&self, stop: u32) -> Option<&Reception> {
-        let number = self.of_stop.get(stop as usize)?.checked_sub(1)?;
-        self.entries.get(number as usize)
+        let found = self.entries.binary_search_by_key(&stop, |entry| entry.stop).ok()?;
+        Some(&self.entries[found])
     }
 }
 
@@ -57,11 +55,8 @@ impl<'a> StopCounts<'a> {
 
     /// Reads the entries of the log for `node` into `record`.
     pub(super) fn read(&self, node: NodeId, record: &mut Record) {
-        record.of_stop.resize(self.log.stops().len(), 0);
-        record.entries.iter().for_each(|entry| record.of_stop[entry.stop as usize] = 0);
         record.entries.clear();
         record.entries.extend(self.log.of(node));
-        (1..).zip(&record.entries).for_each(|(number, entry)| record.of_stop[entry.stop as usize] = number);
     }
 
     /// Calls `found` with each link to a stop within `radius_m` of `place`.

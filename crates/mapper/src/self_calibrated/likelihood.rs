@@ -4,7 +4,7 @@ use sextant_channel::Position;
 use sextant_kernel::maths::{ln, ln_each};
 
 use super::counts::CountedLink;
-use super::model::Logarithms;
+use super::model::{Logarithms, Model};
 use super::window::VertexWindow;
 
 /// Maximum number of packets whose probabilities are multiplied before a logarithm is taken. 10⁻⁶ to this power is
@@ -53,14 +53,20 @@ impl WindowLikelihood {
         });
     }
 
-    /// The same for a clear link by tables of logarithms, which is faster for several packets. `bins` are those of the vertices.
-    pub(super) fn add_logarithms(&mut self, bins: &[u8], link: &CountedLink, logarithms: &Logarithms) {
+    /// The same for a clear link by tables of logarithms, which is faster for several packets.
+    pub(super) fn add_logarithms(
+        &mut self,
+        window: &VertexWindow,
+        link: &CountedLink,
+        model: &Model,
+        logarithms: &Logarithms,
+    ) {
         let (received, missed) = (f64::from(link.received), f64::from(link.missed));
         let of_stop = logarithms.of_stop(link.stop as usize);
-        for (sum, bin) in self.logarithms.iter_mut().zip(bins) {
-            let [ln_received, ln_missed] = of_stop[usize::from(*bin)];
-            *sum += received * ln_received + missed * ln_missed;
-        }
+        window.each(|vertex, place| {
+            let [ln_received, ln_missed] = of_stop[model.bin(place.distance_m(link.place))];
+            self.logarithms[vertex] += received * ln_received + missed * ln_missed;
+        });
     }
 
     /// Multiplies by a factor of each place, at least 10⁻⁶.

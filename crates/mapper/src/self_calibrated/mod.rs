@@ -23,7 +23,6 @@ mod counts;
 mod draft;
 mod likelihood;
 mod lines;
-mod link_bins;
 mod model;
 mod posterior;
 mod report;

@@ -6,7 +6,7 @@ use crate::numerics::normal::{Normal, index, quantile};
 /// Number of bins over the range seen in the log.
 const BINS_PER_RANGE: f64 = 100.0;
 /// Number of bins. The last one holds everything beyond two and a half ranges.
-pub(super) const BINS: u32 = 250;
+const BINS: u32 = 250;
 /// Lowest probability of a reception.
 pub(super) const FLOOR: f64 = 1e-6;
 /// Highest probability of a reception.
@@ -89,11 +89,6 @@ impl Model {
     /// Number of bins.
     pub(super) fn bins(&self) -> usize {
         self.clear.len()
-    }
-
-    /// Bins in a metre.
-    pub(super) fn bins_per_m(&self) -> f64 {
-        self.per_m
     }
 
     /// Probability over clear links at full efficiency, in a bin.

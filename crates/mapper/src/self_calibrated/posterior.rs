@@ -7,7 +7,6 @@ use sextant_kernel::{NodeId, Watch};
 use super::belief::PlaceBelief;
 use super::counts::{CountedLink, Record, StopCounts};
 use super::likelihood::WindowLikelihood;
-use super::link_bins::LinkBins;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{RoundDetail, VertexWindow};
@@ -89,19 +88,10 @@ pub(super) struct PosteriorScratch {
     record: Record,
     links: Vec<CountedLink>,
     window: VertexWindow,
-    bins: LinkBins,
     likelihood: WindowLikelihood,
     /// The likelihood of each vertex over the highest.
     shares: Vec<f64>,
-    likely: Vec<Likely>,
-}
-
-/// A vertex that counts, and its probability.
-#[derive(Clone, Copy, Debug)]
-struct Likely {
-    vertex: usize,
-    place: Position,
-    weight: f64,
+    likely: Vec<(Position, f64)>,
 }
 
 impl KnownBesidesPlace<'_> {
@@ -136,9 +126,6 @@ impl KnownBesidesPlace<'_> {
         self.counts.within(record, before.mean, far_m, |link| {
             seen += 1.0;
             let apart = link.place - before.mean;
-            if link.sent() == 0 {
-                return;
-            }
             if link.received > 0 || apart.dot(apart) <= near_m * near_m {
                 links.push(link);
             } else if self.counts.tells(&link, before.mean) {
@@ -163,14 +150,12 @@ impl KnownBesidesPlace<'_> {
 
     /// Computes the log-likelihood of each vertex.
     fn weigh(&self, scratch: &mut PosteriorScratch) {
-        let PosteriorScratch { links, window, bins, likelihood, .. } = scratch;
+        let PosteriorScratch { links, window, likelihood, .. } = scratch;
         likelihood.clear(window.len());
-        bins.clear(window);
-        for link in links.iter() {
+        for link in links.iter().filter(|link| link.sent() > 0) {
             if self.watch.is_stopped() {
                 return;
             }
-            let bins = bins.add(window, self.model, link.place);
             let efficiency = self.model.efficiency(link.stop as usize);
             if let Some(directions) = &self.counts.directions {
                 self.weigh_direction(directions, window, link, likelihood);
@@ -182,7 +167,7 @@ impl KnownBesidesPlace<'_> {
                     self.model.shaded(efficiency, apart.length_m(), obstacles.absorbed(link.stop, apart))
                 }),
                 None => match self.logarithms {
-                    Some(logarithms) => likelihood.add_logarithms(bins, link, logarithms),
+                    Some(logarithms) => likelihood.add_logarithms(window, link, self.model, logarithms),
                     None => likelihood
                         .add(window, link, |place| self.model.clear(efficiency, place.distance_m(link.place))),
                 },
@@ -222,22 +207,20 @@ impl KnownBesidesPlace<'_> {
     /// count as not sent. Shaded links are not simply left out, because that would keep the lucky ones and bias the
     /// curve.
     fn tally(&self, scratch: &PosteriorScratch, belief: &PlaceBelief, tally: &mut Tally) {
-        for (link, bins) in scratch.links.iter().zip(scratch.bins.links()) {
+        for link in &scratch.links {
             let efficiency = self.model.efficiency(link.stop as usize);
             let (received, sent) = (f64::from(link.received), f64::from(link.sent()));
             let absorbed = self.obstacles.map_or(0.0, |obstacles| obstacles.map.absorbed(link.place, belief.mean));
             let mut expected = 0.0;
-            for likely in &scratch.likely {
-                if !self.counts.tells(link, likely.place) {
+            for &(place, weight) in &scratch.likely {
+                if !self.counts.tells(link, place) {
                     continue;
                 }
-                let bin = usize::from(bins[likely.vertex]);
+                let bin = self.model.bin(link.place.distance_m(place));
                 let passed = self.model.passed(bin, absorbed);
-                if link.received > 0 {
-                    tally.received[bin] += likely.weight * received;
-                }
-                tally.sent[bin] += likely.weight * sent * efficiency * passed;
-                expected += likely.weight * passed * self.model.in_bin(bin);
+                tally.received[bin] += weight * received;
+                tally.sent[bin] += weight * sent * efficiency * passed;
+                expected += weight * passed * self.model.in_bin(bin);
             }
             tally.stops.push((link.stop, [received, expected * sent]));
         }
@@ -261,16 +244,16 @@ impl PosteriorScratch {
             }
             let weight = shares[vertex] / sum;
             if weight > NEGLIGIBLE {
-                likely.push(Likely { vertex, place, weight });
+                likely.push((place, weight));
             }
         });
-        let total: f64 = likely.iter().map(|likely| likely.weight).sum();
+        let total: f64 = likely.iter().map(|&(_, weight)| weight).sum();
         let mut offset = Position::ORIGIN;
-        for &Likely { place, weight, .. } in likely.iter() {
+        for &(place, weight) in likely.iter() {
             offset = offset + (place - mode) * (weight / total);
         }
         let mean = mode + offset;
-        let covariance = covariance(likely.iter().map(|likely| (likely.place - mean, likely.weight / total)));
+        let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
         let at_open_end = (0..self.window.len()).filter(|&vertex| self.window.is_at_open_end(vertex));
         let weight = |vertex: usize| self.shares[vertex] / sum;
         let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;

@@ -64,11 +64,6 @@ impl VertexWindow {
         self.axes.iter().map(|axis| axis.coordinates.len()).product()
     }
 
-    /// The coordinates of the vertices along each axis (m).
-    pub(super) fn coordinates(&self) -> [&[f64]; 3] {
-        [0, 1, 2].map(|axis| self.axes[axis].coordinates.as_slice())
-    }
-
     /// What each vertex stands for.
     pub(super) fn cell(&self) -> Cell {
         Cell::new([0, 1, 2].map(|axis| self.axes[axis].step_m()))
