@@ -35,10 +35,18 @@ pub struct Recovery {
 /// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
 /// # Errors
-/// If `broken` cannot be read, is not an MCAP file, or is a damaged one in a pipe, which cannot be read twice, if `out` is the same file, if `out` cannot be written, or if the
+/// If `broken` cannot be read, is a pipe, or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
 /// user interrupts. `OUT.recovering` is removed in each case.
 pub fn recover(broken: &Path, out: &Path, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
     let draft = Draft::new(out, RECOVERING);
+    let metadata = std::fs::metadata(broken).map_err(|why| RecordingError::read(broken, why))?;
+    if !metadata.is_file() {
+        // A damaged one is read twice, and a pipe that nobody writes would be waited for.
+        return Err(RecordingError::read(
+            broken,
+            io::Error::other("it is no file that can be read twice; copy it to one"),
+        ));
+    }
     let input = FileIdentity::of(broken);
     if [&draft.path, &draft.part].iter().any(|path| FileIdentity::of(path) == input) {
         return Err(RecordingError::SameFile { path: broken.to_owned() });
@@ -69,10 +77,6 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
     })?;
     let mut gaps = Vec::new();
     if let Some(damage) = &damage {
-        if std::fs::metadata(broken).is_ok_and(|broken| !broken.is_file()) {
-            let why = format!("{}; it is no file that can be read twice; copy it to one", damage.why);
-            return Err(RecordingError::read(broken, io::Error::other(why)));
-        }
         // Those before the damage were copied.
         let mut rest = copied.pieces;
         gaps = salvage(broken, damage.at_byte, &mut |salvaged| {
