@@ -58,7 +58,6 @@ mod range_ml;
 mod ranging;
 mod rss_grid;
 mod self_calibrated;
-mod shared_error;
 mod stitch;
 mod suitable;
 mod surface;

@@ -26,7 +26,7 @@ const LEAST_PACKETS: u32 = 2;
 const LEAST_LINKS: usize = 20;
 /// Probabilities count as at least so far from 0 and 1: how far in the tails of a curve says little.
 const LEAST_SHARE: f64 = 0.02;
-/// Links are weighed wrongly where they vary by this factor more than a law of independent packets says.
+/// Regions are too small where links vary by this factor more than a law of independent packets says.
 const TOO_MUCH: f64 = 2.0;
 
 impl LinkDependence {
@@ -84,13 +84,13 @@ impl LinkDependence {
         1.0 + (self.packets - 1.0) * (self.correlation - 2.0 * self.error)
     }
 
-    /// What is said of a map called `name` whose links depend on each other.
+    /// What is said of a map called `name` whose regions are too small for it.
     pub(crate) fn warning(&self, name: &str) -> Option<Line> {
         (self.least_factor() > TOO_MUCH).then(|| Line {
             section: Section::Warnings,
             text: format!(
                 "{name}: warning: packets of a link depend on each other (correlation {:.2} ± {:.2}, {:.0} packets a link), and \
-                 this estimator takes them as independent, so that it weighs links wrongly; `auto` and `link-model` know such links",
+                 this estimator takes them as independent: its regions are far too small; `auto` and `link-model` know such links",
                 self.correlation,
                 2.0 * self.error,
                 self.packets
@@ -150,7 +150,7 @@ mod tests {
             dependence(12, |node, stop| if (node + stop as usize).is_multiple_of(2) { 0.2 } else { 0.8 }).unwrap();
         assert!((tied.correlation - 0.36).abs() < 0.03, "{tied:?}");
         let warning = tied.warning("map").unwrap();
-        assert!(warning.text.contains("weighs links wrongly"), "{}", warning.text);
+        assert!(warning.text.contains("regions are far too small"), "{}", warning.text);
     }
 
     #[test]

@@ -53,13 +53,6 @@ impl TopologyMap {
         Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, heights: None, frame }
     }
 
-    /// Enlarges the variances of all places by a factor.
-    pub(crate) fn enlarge(&mut self, factor: f64) {
-        for covariance in self.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
-            *covariance = covariance.map(|row| row.map(|entry| factor * entry));
-        }
-    }
-
     /// Aligns each part of a relative map to the world, by the similarity that fits the `known` places of nodes best;
     /// mirror images are allowed. Nodes are removed from the map if their part has fewer than `least` known places,
     /// or if these do not determine a similarity. A map in the world is not changed.

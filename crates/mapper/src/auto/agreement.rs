@@ -31,10 +31,20 @@ pub(super) fn enlargement(maps: &[TopologyMap]) -> f64 {
     if count > 0.0 { (sum / count).clamp(1.0, MOST) } else { 1.0 }
 }
 
+/// The factor on the variances of an estimator that a log cannot tell from another one, with both of their maps of the same parts
+/// of the stops. Each may be right, so that variances are the mean of its own, `enlarged` by a factor, and of those of the other one, if
+/// these are larger.
+pub(super) fn of_tie(own: &[TopologyMap], other: &[TopologyMap], enlarged: f64) -> f64 {
+    let own_m2 = usual_variance_m2(own);
+    let factor = if own_m2 > 0.0 { usual_variance_m2(other) / own_m2 } else { 1.0 };
+    (0.5 * (enlarged + factor.min(MOST))).max(enlarged)
+}
+
 /// The mean variance along an axis of the plane (m²).
-fn usual_variance_m2(maps: [&TopologyMap; 2]) -> f64 {
+fn usual_variance_m2<'a>(maps: impl IntoIterator<Item = &'a TopologyMap, IntoIter: Clone>) -> f64 {
+    let maps = maps.into_iter();
     let variances = || {
-        let estimates = maps.into_iter().flat_map(|map| map.estimates.iter().flatten());
+        let estimates = maps.clone().flat_map(|map| map.estimates.iter().flatten());
         estimates.filter_map(|estimate| Some(0.5 * (estimate.covariance?[0][0] + estimate.covariance?[1][1])))
     };
     variances().sum::<f64>() / (variances().count().max(1)) as f64
@@ -80,5 +90,14 @@ mod tests {
         // One node that is far off does not enlarge the regions of all by far.
         let maps = [map(&[[0.0, 0.0]; 10], 1.0), map(&[[1e3, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]], 1.0)];
         assert!(enlargement(&maps) <= MOST_OF_A_NODE / 4.0 + 1e-9);
+    }
+
+    #[test]
+    fn a_tie_has_the_mean_of_both_variances_if_those_of_the_other_one_are_larger() {
+        let (narrow, wide) = ([map(&[[0.0, 0.0]], 1.0)], [map(&[[0.0, 0.0]], 9.0)]);
+        assert!((of_tie(&narrow, &wide, 1.0) - 5.0).abs() < 1e-12);
+        assert!((of_tie(&narrow, &wide, 2.0) - 5.5).abs() < 1e-12);
+        assert!((of_tie(&wide, &narrow, 2.0) - 2.0).abs() < 1e-12);
+        assert!((of_tie(&[], &[], 2.0) - 2.0).abs() < 1e-12);
     }
 }

@@ -35,7 +35,6 @@ use crate::posterior::{EstimateKind, PlacePrior};
 use crate::profile::{FittedConfig, ProfileConfig};
 use crate::range_ml::RangeMlConfig;
 use crate::self_calibrated::{Calibration, SelfCalibrated, SelfCalibratedConfig};
-use crate::shared_error;
 use crate::survey_frame::Axes;
 use crate::topology_map::TopologyMap;
 
@@ -93,7 +92,7 @@ pub struct Choice {
     /// What it estimated with the map.
     pub fit: Option<EstimatorFit>,
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
-    /// its own regions tell, or neighbouring stops have more in common than it knows.
+    /// its own regions tell, or the log cannot tell it from the link model, whose regions are wider.
     pub enlargement: f64,
     /// The other opinions on each place, if they are in the map.
     pub opinions: Option<Opinions>,
@@ -135,7 +134,7 @@ enum Candidate<'a> {
 struct Trials {
     /// What each candidate predicted of them; empty if none were left out.
     predicted: Vec<Predicted>,
-    /// The maps without them of each candidate that has regions of its own that nobody checked.
+    /// The maps without them of each candidate.
     parts: Vec<Vec<TopologyMap>>,
     /// Whether the log has strengths.
     has_strengths: bool,
@@ -219,13 +218,18 @@ impl Auto {
             (map, fit) = candidates[number].map(log, prior, watch)?;
         }
         let candidate = candidates[number];
-        // The regions of the link model know that its law is estimated.
-        let least = match candidate {
-            Candidate::LinkModel(_) => 1.0,
-            _ => fit.as_ref().map_or(1.0, |fit| fit.shared_error(log, &map)).max(unsure_of_law(heard.len())),
+        let enlarged = agreement::enlargement(&parts[number]);
+        let enlargement = match candidate {
+            // Its regions know that its law is estimated.
+            Candidate::LinkModel(_) => enlarged,
+            _ => {
+                let enlarged = enlarged.max(unsure_of_law(heard.len()));
+                let is_surely_better = score::is_surely_better(&predicted[number], &predicted[LINKS]);
+                // Packets of a link may share what they lose, for all that the log tells.
+                if is_surely_better { enlarged } else { agreement::of_tie(&parts[number], &parts[LINKS], enlarged) }
+            }
         };
-        let enlargement = agreement::enlargement(&parts[number]).max(least);
-        map.enlarge(enlargement);
+        enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
@@ -244,20 +248,6 @@ impl Auto {
     fn is_spatial(&self, log: &ReceptionLog, reach_m: f64) -> bool {
         let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, reach_m / STEPS_PER_REACH);
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
-    }
-}
-
-impl EstimatorFit {
-    /// The factor on the variances of `map` for what neighbouring stops have in common.
-    fn shared_error(&self, log: &ReceptionLog, map: &TopologyMap) -> f64 {
-        match self {
-            Self::Profile(fit) => shared_error::factor(log, map, |place, _, stop| {
-                fit.curve.probability(place.distance_m(stop.position))
-            }),
-            Self::Calibration(calibration) => calibration.shared_error(log, map),
-            // A law of links knows it, and gains of an antenna are beyond it.
-            Self::Links(_) | Self::Pattern(_) => 1.0,
-        }
     }
 }
 
@@ -284,6 +274,7 @@ fn predict(
             Candidate::LinkModel(_) => {
                 predicted[number].begin_fold();
                 predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, &mut predicted[number], gain);
+                parts[number].push(of_links.clone());
             }
             Candidate::Fitted(_) | Candidate::SelfCalibrated(_) | Candidate::Pattern(..) => {
                 if score::is_hopeless(&predicted[number], &predicted[LINKS]) {
@@ -311,6 +302,13 @@ fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
 fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
     let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
     has_curve && 2 * map.concerns().count() <= map.mapped()
+}
+
+/// Enlarges the variances of a map by a factor.
+fn enlarge(map: &mut TopologyMap, factor: f64) {
+    for covariance in map.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
+        *covariance = covariance.map(|row| row.map(|entry| factor * entry));
+    }
 }
 
 /// The number of the most trusted candidate of independent packets, if it predicts as well as the link model does.

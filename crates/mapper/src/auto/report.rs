@@ -19,7 +19,7 @@ struct ChoiceKeys {
     /// Why it was chosen, in words.
     chosen_because: &'static str,
     /// Factor by which the variances of the chosen map were enlarged, if its maps from parts of the stops differ by more than
-    /// its own regions tell, or neighbouring stops have more in common than it knows.
+    /// its own regions tell, or the log cannot tell it from the link model, whose regions are wider.
     #[serde(skip_serializing_if = "Option::is_none")]
     region_enlargement: Option<f64>,
     /// The other opinions on each place, if they are in the map.
@@ -98,8 +98,8 @@ impl Choice {
             let times = factor.sqrt();
             let _ = write!(
                 text,
-                "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much, or neighbouring stops have so much in \
-                 common"
+                "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much, or as those of the \
+                 link model are"
             );
         }
         text

@@ -129,18 +129,19 @@ fn error(own: &Predicted, other: &Predicted, compared: Compared) -> f64 {
     squares.sqrt() / own.pairs(folds).max(1) as f64
 }
 
+/// Whether one estimator predicts better than another one by more than two standard errors.
+pub(super) fn is_surely_better(own: &Predicted, over: &Predicted) -> bool {
+    gain(own, over, ALL) > 2.0 * error(own, over, ALL)
+}
+
 /// The number of the estimator of independent packets that is as good as that of links (`links`), if one is. Of the
 /// `independent`, in the order of trust, a later one must be better than those before it by two standard errors.
 ///
 /// Estimators of independent packets are taken if they predict as well as the link model does, within a standard error: where
 /// packets are independent, they place nodes better than it; where they are not, they are refuted.
 pub(super) fn as_good(predicted: &[Predicted], links: usize, independent: &[usize]) -> Option<usize> {
-    let is_surely_better = |number: usize, over: usize| {
-        let (own, over) = (&predicted[number], &predicted[over]);
-        gain(own, over, ALL) > 2.0 * error(own, over, ALL)
-    };
-    let trusted =
-        independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
+    let is_better = |number: usize, over: usize| is_surely_better(&predicted[number], &predicted[over]);
+    let trusted = independent.iter().copied().reduce(|best, next| if is_better(next, best) { next } else { best });
     let is_as_good = |own: &Predicted| gain(own, &predicted[links], ALL) >= -error(own, &predicted[links], ALL);
     trusted.filter(|&number| is_as_good(&predicted[number]))
 }

@@ -10,8 +10,10 @@ use crate::posterior::{Concern, covariance};
 
 /// A node at fewer places has more unknowns than it has places: its own and its power.
 const LEAST_PLACES: usize = 4;
-/// A node whose posterior has this share beyond all places may be farther away than the density of nodes there has it.
-const BEYOND: f64 = 0.2;
+/// A node whose posterior has this share beyond all places may be farther away than the density of nodes there has it. It is if
+/// its variance grows by this factor where slope and level are free.
+const BEYOND: f64 = 0.5;
+const HARDLY_TOLD: f64 = 9.0;
 /// Places beyond all others tell the slope and the level of a node hardly: their deviations, as a share of the slope and in
 /// decibels.
 const SLOPE_SPREAD: f64 = 0.3;
@@ -48,9 +50,11 @@ impl ModelWithLaw<'_> {
         if concern != Some(Concern::AtEdge) && beyond < BEYOND {
             return (None, concern);
         }
+        let unknown = self.beyond_all_places(evidence, posterior.mean);
+        let is_hardly_told = spread(&unknown) > HARDLY_TOLD * self.inflation * spread(&posterior.covariance);
         let is_far = self.window.beyond(posterior.mean) > 1.0;
-        let concern = concern.or(is_far.then_some(Concern::AtEdge));
-        (Some(self.beyond_all_places(evidence, posterior.mean)), concern)
+        let concern = concern.or((is_far || is_hardly_told).then_some(Concern::AtEdge));
+        (concern.is_some().then_some(unknown), concern)
     }
 
     /// The same of a node whose slope and level are hardly told, and which may be anywhere within reach.
@@ -84,6 +88,10 @@ impl ModelWithLaw<'_> {
 
 /// The wider of two covariances in the plane.
 pub(super) fn wider(own: Covariance, unknown: Option<Covariance>) -> Covariance {
-    let spread = |of: &Covariance| of[0][0] + of[1][1];
     unknown.filter(|unknown| spread(unknown) > spread(&own)).unwrap_or(own)
+}
+
+/// The variance in the plane (m²).
+fn spread(of: &Covariance) -> f64 {
+    of[0][0] + of[1][1]
 }

@@ -23,7 +23,6 @@ use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
 use crate::numerics::normal::{below, quantile};
 use crate::posterior::{Estimate, FitState};
-use crate::shared_error;
 use crate::survey_frame::Axes;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
@@ -78,9 +77,6 @@ pub struct Calibration {
     pub curve_at_bound: bool,
     /// How much the packets of a link depend on each other, where it was looked at.
     pub dependence: Option<LinkDependence>,
-    /// Factor by which the variances of the map were enlarged, at least 1: neighbouring stops have more in common than the curve,
-    /// the stops and the obstacles tell.
-    pub enlargement: f64,
 }
 
 impl Calibration {
@@ -94,22 +90,13 @@ impl Calibration {
 
     /// How much the packets of a link of `log` depend on each other; `None` without a curve.
     fn dependence_in(&self, log: &ReceptionLog, map: &TopologyMap) -> Option<LinkDependence> {
-        LinkDependence::of(log, map, self.shares_at_stops()?)
-    }
-
-    /// The factor on the variances of `map` for what neighbouring stops of `log` have in common; 1 without a curve.
-    pub(crate) fn shared_error(&self, log: &ReceptionLog, map: &TopologyMap) -> f64 {
-        self.shares_at_stops().map_or(1.0, |shares| shared_error::factor(log, map, shares))
-    }
-
-    /// The share of packets that arrives from a place at a stop, which has a number; `None` without a curve.
-    fn shares_at_stops(&self) -> Option<impl Fn(Position, usize, &Stop) -> f64 + Sync> {
         let shares = self.shares()?;
         let usual = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
-        Some(move |place: Position, number: usize, stop: &Stop| {
+        let share = |place, number: usize, stop: &Stop| {
             let efficiency = self.efficiency.get(number).map_or(1.0, |own| own / usual.max(1e-9));
             (efficiency * shares.at(place, stop.position)).min(1.0)
-        })
+        };
+        LinkDependence::of(log, map, share)
     }
 }
 
@@ -210,7 +197,6 @@ impl SelfCalibrated {
             at_bound,
             curve_at_bound,
             dependence: None,
-            enlargement: 1.0,
             obstacles: draft.into_obstacles()?,
         };
         Ok((map, Some(calibration)))
@@ -281,11 +267,9 @@ impl Estimator for SelfCalibrated {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        let (mut map, mut calibration) = self.map(knowledge.log, watch)?;
+        let (map, mut calibration) = self.map(knowledge.log, watch)?;
         if let Some(calibration) = &mut calibration {
             calibration.dependence = calibration.dependence_in(knowledge.log, &map);
-            calibration.enlargement = calibration.shared_error(knowledge.log, &map);
-            map.enlarge(calibration.enlargement);
         }
         Ok((map, calibration.map(EstimatorFindings::new)))
     }

@@ -11,9 +11,6 @@ use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, Un
 use crate::survey_frame::SurveyFrame;
 use crate::topology_map::TopologyMap;
 
-/// An enlargement of variances is told above this factor.
-const TOLD: f64 = 1.2;
-
 #[cfg(feature = "config")]
 /// What was estimated with a self-calibrated map, and from which knowledge.
 #[derive(serde::Serialize)]
@@ -50,10 +47,6 @@ struct CalibrationKeys {
     /// Correlation of two packets of a link about what curve, stops and obstacles say. Absent if it was not looked at.
     #[serde(skip_serializing_if = "Option::is_none")]
     packet_correlation: Option<f64>,
-    /// Factor by which the variances of places were enlarged, as neighbouring stops have something in common. Absent if they
-    /// were not.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    region_enlargement: Option<f64>,
     /// These obstacles, to be drawn. Absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     obstacles: Vec<ObstacleKeys>,
@@ -103,11 +96,6 @@ impl Calibration {
         };
         let end = if self.converged { "converged" } else { "did not converge" };
         let _ = write!(text, ", {end} in {}", counted(self.rounds as usize, "round"));
-        if self.enlargement > TOLD {
-            let times = self.enlargement.sqrt();
-            let _ =
-                write!(text, "; regions are {times:.1} times as wide, as neighbouring stops have so much in common");
-        }
         let knowledge = match self.knowledge {
             ObstacleKnowledge::FromLog => "receptions, drives and contacts",
             ObstacleKnowledge::FromReceptions => "receptions",
@@ -148,7 +136,6 @@ impl Finding for Calibration {
             absorbing_m2: self.obstacles.as_ref().map(AbsorptionMap::sure_m2),
             unsure_m2: self.unsure_m2(),
             packet_correlation: self.dependence.map(|dependence| dependence.correlation),
-            region_enlargement: Some(self.enlargement).filter(|factor| *factor > 1.0),
             obstacles: self.obstacles.iter().flat_map(AbsorptionMap::claims_m).map(ObstacleKeys::from).collect(),
         };
         crate::learned::one_key("calibration", &keys)

@@ -92,6 +92,7 @@ impl Opinions {
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
     fn place(&self, estimate: &Estimate, others: &[Position], constants: &OpinionConstants) -> Option<Estimate> {
+        // They are places amid the stops, and say nothing of a node beyond them or of the width that few stops leave.
         if matches!(estimate.concern, Some(Concern::AtEdge | Concern::TooFew)) {
             return None;
         }
