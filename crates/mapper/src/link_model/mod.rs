@@ -234,7 +234,7 @@ impl LinkModel {
         let is_beside = false;
         let mut learned =
             Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation, is_beside };
-        learned.is_beside = learned.is_beside(links);
+        learned.is_beside = learned.most_are_beyond(links);
         Ok(Some(learned))
     }
 
@@ -297,7 +297,7 @@ impl Learned<'_> {
     }
 
     /// Whether more than half of a few nodes of `links` are likely to be beyond all places.
-    fn is_beside(&self, links: &PlaceLinks) -> bool {
+    fn most_are_beyond(&self, links: &PlaceLinks) -> bool {
         let model = self.model(links);
         let nodes = links.nodes.par_iter().step_by(links.nodes.len().div_ceil(TELLING_NODES).max(1));
         let (looked, beyond) = (nodes.len(), nodes.filter(|node| model.is_beyond(node)).count());
