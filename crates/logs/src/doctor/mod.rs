@@ -95,7 +95,7 @@ pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let law = (places && times && extent.is_none()).then(|| DistanceLaw::of(log)).flatten();
     let no_distance = law.as_ref().and_then(no_distance::finding);
     let moved = law.as_ref().and_then(|law| moved::finding(log, law));
-    let strengths = outlying_strengths::finding(log);
+    let strengths = places.then(|| outlying_strengths::finding(log)).flatten();
     [extent, losses::finding(log), twins::finding(log), strengths, no_distance, moved, wide_sectors::finding(log)]
         .into_iter()
         .flatten()
