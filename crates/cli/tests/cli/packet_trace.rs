@@ -192,7 +192,7 @@ fn the_trace_of_full_queues_and_a_warm_up_is_the_summary() {
 /// The answers of the sink are traced, and are none of the nodes' packets.
 #[test]
 fn the_trace_of_answers_is_the_summary_of_the_nodes() {
-    let trace = Traced::of(&scenario("routing/requests-and-answers.toml"), &["duration_s=300"]);
+    let trace = Traced::of(&scenario("routing/requests-and-answers.toml"), &["duration_s=600"]);
     assert!(trace.packets.len() > trace.counted("").len() + 20);
     trace.agrees_with(&trace.summary["mac"]);
 }

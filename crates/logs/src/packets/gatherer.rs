@@ -28,7 +28,7 @@ use crate::ranges::range_table::{LONGEST_M, ReadRanges};
 use crate::robot_log::RobotLog;
 use crate::time::instant;
 
-/// A path with poses so far apart says little of the way between them (m).
+/// A path with poses farther apart says little of the way between them (m).
 const SPARSE_M: f64 = 5.0;
 
 /// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
@@ -174,7 +174,7 @@ impl Gatherer {
         };
         let stops = counted(stops, "stop");
         self.notes.push(format!("{whose} is cut into {stops}{each} (option `stop_every` sets it)"));
-        if let Some((apart_m, apart)) = path.usual_leg().filter(|(apart_m, _)| *apart_m >= SPARSE_M) {
+        if let Some((apart_m, apart)) = path.usual_leg().filter(|(apart_m, _)| *apart_m > SPARSE_M) {
             self.notes.push(format!(
                 "{whose} has poses {apart_m:.1} m and {} s apart (median, where it moves): between them it counts as a straight \
                  line at one speed, and corners are cut",

@@ -31,13 +31,10 @@ pub(super) fn enlargement(maps: &[TopologyMap]) -> f64 {
     if count > 0.0 { (sum / count).clamp(1.0, MOST) } else { 1.0 }
 }
 
-/// The factor on the variances of an estimator that a log cannot tell from another one, with both of their maps of the same parts
-/// of the stops. Each may be right, so that variances are the mean of its own, `enlarged` by a factor, and of those of the other one, if
-/// these are larger.
-pub(super) fn of_tie(own: &[TopologyMap], other: &[TopologyMap], enlarged: f64) -> f64 {
+/// How many times the variances of another estimator are those of its own, on maps of the same parts of the stops.
+pub(super) fn variances_over(own: &[TopologyMap], other: &[TopologyMap]) -> f64 {
     let own_m2 = usual_variance_m2(own);
-    let factor = if own_m2 > 0.0 { usual_variance_m2(other) / own_m2 } else { 1.0 };
-    (0.5 * (enlarged + factor.min(MOST))).max(enlarged)
+    if own_m2 > 0.0 { (usual_variance_m2(other) / own_m2).min(MOST) } else { 1.0 }
 }
 
 /// The mean variance along an axis of the plane (m²).
@@ -93,11 +90,10 @@ mod tests {
     }
 
     #[test]
-    fn a_tie_has_the_mean_of_both_variances_if_those_of_the_other_one_are_larger() {
-        let (narrow, wide) = ([map(&[[0.0, 0.0]], 1.0)], [map(&[[0.0, 0.0]], 9.0)]);
-        assert!((of_tie(&narrow, &wide, 1.0) - 5.0).abs() < 1e-12);
-        assert!((of_tie(&narrow, &wide, 2.0) - 5.5).abs() < 1e-12);
-        assert!((of_tie(&wide, &narrow, 2.0) - 2.0).abs() < 1e-12);
-        assert!((of_tie(&[], &[], 2.0) - 2.0).abs() < 1e-12);
+    fn variances_are_compared_on_maps_of_parts() {
+        let (narrow, wide) = ([map(&[[0.0, 0.0]], 1.0)], [map(&[[0.0, 0.0], [1.0, 0.0]], 9.0)]);
+        assert!((variances_over(&narrow, &wide) - 9.0).abs() < 1e-12);
+        assert!((variances_over(&wide, &narrow) - 1.0 / 9.0).abs() < 1e-12);
+        assert!((variances_over(&[], &[]) - 1.0).abs() < 1e-12);
     }
 }

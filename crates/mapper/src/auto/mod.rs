@@ -224,9 +224,12 @@ impl Auto {
             Candidate::LinkModel(_) => enlarged,
             _ => {
                 let enlarged = enlarged.max(unsure_of_law(heard.len()));
-                let is_surely_better = score::is_surely_better(&predicted[number], &predicted[LINKS]);
-                // Packets of a link may share what they lose, for all that the log tells.
-                if is_surely_better { enlarged } else { agreement::of_tie(&parts[number], &parts[LINKS], enlarged) }
+                if score::is_surely_better(&predicted[number], &predicted[LINKS]) {
+                    enlarged
+                } else {
+                    // For all that the log tells, packets of a link may share what they lose.
+                    enlarged.max(agreement::variances_over(&parts[number], &parts[LINKS]))
+                }
             }
         };
         enlarge(&mut map, enlargement);

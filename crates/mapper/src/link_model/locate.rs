@@ -1,44 +1,24 @@
 //! Where a node is under a law that is known.
 
-use super::hearing::Hearing;
-use super::law::Law;
-use super::links::{NodeLinks, PlaceLinks};
-use super::outages::Outages;
+use super::links::NodeLinks;
 use super::posterior::{GridPosterior, HeardLinks, PriorGrid};
 use super::unknown::wider;
-use super::window::{Bounds, LinkWindow};
+use super::window::Bounds;
+use super::with_law::{ModelWithLaw, VERTICES};
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::{Concern, Estimate, Verdict};
 
-/// Vertices of the coarse and the fine grid of a node, in the plane and in space.
-pub(super) const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
-
-/// The model with its law.
-pub(super) struct ModelWithLaw<'a> {
-    pub(super) law: Law,
-    pub(super) hearing: &'a Hearing,
-    pub(super) outages: &'a Outages,
-    pub(super) links: &'a PlaceLinks,
-    pub(super) window: &'a LinkWindow<'a>,
-    pub(super) is_spatial: bool,
-    /// Factor on covariances.
-    pub(super) inflation: f64,
+/// What was heard of a node, and its posteriors on a coarse and on a fine grid.
+struct Located<'a> {
+    evidence: HeardLinks<'a>,
+    coarse: (PriorGrid, GridPosterior),
+    fine: (PriorGrid, GridPosterior),
 }
 
 impl ModelWithLaw<'_> {
     /// Where `node` is, and the number of vertices looked at.
     pub(super) fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let heard = (self.hearing, self.outages);
-        let mut evidence = HeardLinks::new(node, self.links, self.window, heard, !self.law.has_independent_links());
-        let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
-        let mut scratch = Vec::new();
-        let coarse = evidence.grid(self.window, coarse);
-        let first = evidence.posterior(&self.law, &coarse, &mut scratch);
-        self.weigh(&mut evidence, &coarse, &first);
-        let second = evidence.posterior(&self.law, &coarse, &mut scratch);
-        self.weigh(&mut evidence, &coarse, &second);
-        let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
-        let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
+        let Located { evidence, coarse: (coarse, second), fine: (fine, posterior) } = self.posteriors(node);
         let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
         let (unknown_m2, concern) = self.unknown(node, &evidence, (&fine, &posterior), concern);
         let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
@@ -52,6 +32,28 @@ impl ModelWithLaw<'_> {
             concern,
         };
         (estimate, vertices)
+    }
+
+    /// The posteriors of `node` on the coarse and the fine grid.
+    fn posteriors<'n>(&self, node: &'n NodeLinks) -> Located<'n> {
+        let heard = (self.hearing, self.outages);
+        let mut evidence = HeardLinks::new(node, self.links, self.window, heard, !self.law.has_independent_links());
+        let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
+        let mut scratch = Vec::new();
+        let coarse = evidence.grid(self.window, coarse);
+        let first = evidence.posterior(&self.law, &coarse, &mut scratch);
+        self.weigh(&mut evidence, &coarse, &first);
+        let second = evidence.posterior(&self.law, &coarse, &mut scratch);
+        self.weigh(&mut evidence, &coarse, &second);
+        let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
+        let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
+        Located { evidence, coarse: (coarse, second), fine: (fine, posterior) }
+    }
+
+    /// Whether most of the posterior of `node` is beyond all places.
+    pub(super) fn is_beyond(&self, node: &NodeLinks) -> bool {
+        let Located { fine: (grid, posterior), .. } = self.posteriors(node);
+        self.is_likely_beyond(&grid, &posterior)
     }
 
     /// Weighs silence and margins where a posterior places the node.

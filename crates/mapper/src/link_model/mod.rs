@@ -20,6 +20,7 @@ mod site;
 mod tables;
 mod unknown;
 mod window;
+mod with_law;
 
 use rayon::prelude::*;
 #[cfg(feature = "config")]
@@ -42,12 +43,12 @@ use fit::FoundLaw;
 use hearing::Hearing;
 pub use law::Law;
 use links::PlaceLinks;
-use locate::{ModelWithLaw, VERTICES};
 pub use losses::Losses;
 use outages::Outages;
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
 use window::LinkWindow;
+use with_law::{ModelWithLaw, VERTICES};
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,7 +231,11 @@ impl LinkModel {
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
         let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
         let inflation = unsure_of_law(heard) * if placing.has_alike_nodes() { OF_SIMPLE_LAW } else { 1.0 };
-        Ok(Some(Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation }))
+        let is_beside = false;
+        let mut learned =
+            Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation, is_beside };
+        learned.is_beside = learned.most_are_beyond(links);
+        Ok(Some(learned))
     }
 
     fn work(links: &PlaceLinks, is_spatial: bool) -> Work {
@@ -277,16 +282,33 @@ struct Learned<'a> {
     is_spatial: bool,
     /// Factor on covariances.
     inflation: f64,
+    /// Whether most nodes are likely to be beyond all places.
+    is_beside: bool,
 }
 
+/// At most so many nodes tell whether most are beyond all places.
+const TELLING_NODES: usize = 28;
+
 impl Learned<'_> {
+    fn model<'a>(&'a self, links: &'a PlaceLinks) -> ModelWithLaw<'a> {
+        let Self { placing: law, hearing, outages, window, is_spatial, inflation, is_beside, .. } = self;
+        let (law, is_spatial, inflation, is_beside) = (*law, *is_spatial, *inflation, *is_beside);
+        ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation, is_beside }
+    }
+
+    /// Whether more than half of a few nodes of `links` are likely to be beyond all places.
+    fn most_are_beyond(&self, links: &PlaceLinks) -> bool {
+        let model = self.model(links);
+        let nodes = links.nodes.par_iter().step_by(links.nodes.len().div_ceil(TELLING_NODES).max(1));
+        let (looked, beyond) = (nodes.len(), nodes.filter(|node| model.is_beyond(node)).count());
+        2 * beyond > looked
+    }
+
     /// Adds the nodes of `links` to `map`.
     fn locate(&self, links: &PlaceLinks, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
-        let Self { hearing, outages, window, is_spatial, inflation, .. } = self;
-        let (law, is_spatial, inflation) = (self.placing, *is_spatial, *inflation);
-        let model = ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation };
-        let [low_m, high_m] = window.heights();
-        let planes = links.nodes.iter().map(|node| window.of(node));
+        let model = self.model(links);
+        let [low_m, high_m] = self.window.heights();
+        let planes = links.nodes.iter().map(|node| self.window.of(node));
         let (low_m, high_m) = planes
             .fold((low_m, high_m), |(low_m, high_m), bounds| (low_m.min(bounds.low[2]), high_m.max(bounds.high[2])));
         map.heights = Some(SoughtHeights { low_m, high_m, ..self.heights });

@@ -4,16 +4,14 @@ use sextant_channel::Position;
 
 use super::law::Law;
 use super::links::{HeardLink, NodeLinks};
-use super::locate::{ModelWithLaw, VERTICES};
 use super::posterior::{GridPosterior, HeardLinks, PriorGrid};
+use super::with_law::{ModelWithLaw, VERTICES};
 use crate::posterior::{Concern, covariance};
 
 /// A node at fewer places has more unknowns than it has places: its own and its power.
 const LEAST_PLACES: usize = 4;
-/// A node whose posterior has this share beyond all places may be farther away than the density of nodes there has it. It is if
-/// its variance grows by this factor where slope and level are free.
-const BEYOND: f64 = 0.5;
-const HARDLY_TOLD: f64 = 9.0;
+/// A place is far beyond all others if it is so many lengths of the fall of the density of nodes there.
+const FAR: f64 = 2.0;
 /// Places beyond all others tell the slope and the level of a node hardly: their deviations, as a share of the slope and in
 /// decibels.
 const SLOPE_SPREAD: f64 = 0.3;
@@ -45,16 +43,19 @@ impl ModelWithLaw<'_> {
         if node.links.len() < LEAST_PLACES {
             return (self.within_strength(node, posterior.mean), Some(Concern::TooFew));
         }
-        let beyond = |(place, share): (&Position, &f64)| if self.window.beyond(*place) > 0.0 { *share } else { 0.0 };
-        let beyond: f64 = grid.vertices.iter().zip(&posterior.shares).map(beyond).sum();
-        if concern != Some(Concern::AtEdge) && beyond < BEYOND {
+        let is_far = self.window.beyond(posterior.mean) > FAR;
+        let is_beside = self.is_beside && self.is_likely_beyond(grid, posterior);
+        if concern != Some(Concern::AtEdge) && !is_far && !is_beside {
             return (None, concern);
         }
-        let unknown = self.beyond_all_places(evidence, posterior.mean);
-        let is_hardly_told = spread(&unknown) > HARDLY_TOLD * self.inflation * spread(&posterior.covariance);
-        let is_far = self.window.beyond(posterior.mean) > 1.0;
-        let concern = concern.or((is_far || is_hardly_told).then_some(Concern::AtEdge));
-        (concern.is_some().then_some(unknown), concern)
+        (Some(self.beyond_all_places(evidence, posterior.mean)), concern.or(Some(Concern::AtEdge)))
+    }
+
+    /// Whether most of a posterior is beyond all places.
+    pub(super) fn is_likely_beyond(&self, grid: &PriorGrid, posterior: &GridPosterior) -> bool {
+        let shares = grid.vertices.iter().zip(&posterior.shares);
+        let beyond = shares.filter(|(place, _)| self.window.beyond(**place) > 0.0).map(|(_, share)| share);
+        beyond.sum::<f64>() > 0.5
     }
 
     /// The same of a node whose slope and level are hardly told, and which may be anywhere within reach.

@@ -1,7 +1,13 @@
 //! How rough a likelihood is for cells that a stop sees under an angle.
 
-use super::gain_map::CELL_RAD;
-
+/// Cells along an axis of the octahedral map of directions: 1.4 degrees along the horizon.
+pub(super) const CELLS: usize = 128;
+/// The angle of a cell along the horizon (rad).
+pub(super) const CELL_RAD: f64 = std::f64::consts::PI / CELLS as f64;
+/// Cells of the horizon for each of the octahedral map: 0.18 degrees.
+pub(super) const FINER: usize = 8;
+/// Cells of the horizon.
+pub(super) const ROUND: usize = 2 * CELLS * FINER;
 /// By how much gains change over an angle (dB per rad): a decibel in a degree and a half.
 const SLOPE_DB: f64 = 40.0;
 /// Over how many cells of the map of directions likelihoods are averaged on each side, from the roughest to the finest.

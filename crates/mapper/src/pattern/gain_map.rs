@@ -9,21 +9,14 @@
 use rayon::prelude::*;
 use sextant_channel::{Position, SectorGains};
 
+use super::blur::{CELLS, FINER, ROUND};
 use super::law::PatternLaw;
 use crate::numerics::normal::logistic_scale;
 use crate::numerics::octahedron::{folded, unfolded};
 use crate::numerics::whole;
 
-/// Cells along an axis of the octahedral map: 1.4 degrees along the horizon.
-const CELLS: usize = 128;
-/// The angle of a cell along the horizon (rad).
-pub(super) const CELL_RAD: f64 = std::f64::consts::PI / CELLS as f64;
 /// Corners along an axis.
 const CORNERS: usize = CELLS + 1;
-/// Cells of the horizon for each of the octahedral map: 0.18 degrees.
-const FINER: usize = 8;
-/// Cells of the horizon.
-pub(super) const ROUND: usize = 2 * CELLS * FINER;
 /// How often a node names any sector.
 pub(super) const ANY: f64 = 0.02;
 /// Least gain in a table (dBi): none at all.

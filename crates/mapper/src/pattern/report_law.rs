@@ -8,7 +8,7 @@
 
 use sextant_kernel::maths::{exp, ln};
 
-use super::report_views::ReportViews;
+use super::report_views::{ReportView, ReportViews};
 use crate::numerics::normal::{below, density};
 
 /// Residuals in a table, from the least to the greatest (dB), and their number in a decibel.
@@ -116,26 +116,6 @@ pub(super) struct ReportTables {
     absent: Vec<f32>,
 }
 
-/// What a report says of a direction, before the strength of the straight way is expected anywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ReportView {
-    /// The log-likelihood if the straight way is open and has the strength that it is expected to have.
-    pub(super) ln: f64,
-    /// The strength of the straight way at the node, without gain, as the report says (dB).
-    pub(super) level_db: f64,
-    /// Inverse of the variance of this strength round the expected one (per dB²).
-    pub(super) precision: f64,
-}
-
-/// What a report says of a place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ReportFit {
-    /// The log-likelihood if the straight way is open.
-    pub(super) ln_open: f64,
-    /// The strength of the straight way at the node, without gain (dB).
-    pub(super) level_db: f64,
-}
-
 /// What a node reported of all sectors.
 #[derive(Clone, Debug)]
 pub(super) struct Report {
@@ -147,16 +127,6 @@ pub(super) struct Report {
     /// The log-likelihood if the straight way is blocked: each sector is present or absent by chance, with any strength.
     pub(super) ln_blocked: f64,
     pub(super) views: ReportViews,
-}
-
-impl ReportView {
-    /// How the report fits a straight way whose strength is expected here (dB), with the variance of [`ReportTables::view`].
-    #[inline]
-    pub(super) fn fit(self, expected_db: f64, variance: f64) -> ReportFit {
-        let off = self.level_db - expected_db;
-        let by_report = 1.0 - self.precision * variance;
-        ReportFit { ln_open: self.ln - 0.5 * self.precision * off * off, level_db: self.level_db - by_report * off }
-    }
 }
 
 impl Report {

@@ -2,9 +2,37 @@
 
 use std::cell::{Cell, OnceCell};
 
-use super::blur::Blur;
-use super::gain_map::ROUND;
-use super::report_law::ReportView;
+use super::blur::{Blur, ROUND};
+
+/// What a report says of a direction, before the strength of the straight way is expected anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReportView {
+    /// The log-likelihood if the straight way is open and has the strength that it is expected to have.
+    pub(super) ln: f64,
+    /// The strength of the straight way at the node, without gain, as the report says (dB).
+    pub(super) level_db: f64,
+    /// Inverse of the variance of this strength round the expected one (per dB²).
+    pub(super) precision: f64,
+}
+
+/// What a report says of a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ReportFit {
+    /// The log-likelihood if the straight way is open.
+    pub(super) ln_open: f64,
+    /// The strength of the straight way at the node, without gain (dB).
+    pub(super) level_db: f64,
+}
+
+impl ReportView {
+    /// How the report fits a straight way whose strength is expected here (dB), with the variance of [`ReportTables::view`].
+    #[inline]
+    pub(super) fn fit(self, expected_db: f64, variance: f64) -> ReportFit {
+        let off = self.level_db - expected_db;
+        let by_report = 1.0 - self.precision * variance;
+        ReportFit { ln_open: self.ln - 0.5 * self.precision * off * off, level_db: self.level_db - by_report * off }
+    }
+}
 
 /// What a report says at the corners of the horizon, by how blurred it is. It holds for laws that differ in yaw and level alone.
 #[derive(Clone, Debug, Default)]

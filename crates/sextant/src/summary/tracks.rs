@@ -17,8 +17,9 @@ pub struct TrackSummary {
     pub ranges: usize,
     /// Strengths that were used, alike.
     pub strengths: usize,
-    /// Ranges and strengths of which these are the medians.
+    /// Ranges of which these are the medians.
     pub measured_ranges: usize,
+    /// Strengths of which these are the medians.
     pub measured_strengths: usize,
     /// Receivers at known places of which it has any.
     pub receivers: usize,
