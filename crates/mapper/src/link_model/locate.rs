@@ -8,34 +8,9 @@ use super::with_law::{ModelWithLaw, VERTICES};
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::{Concern, Estimate, Verdict};
 
-/// What was heard of a node, and its posteriors on a coarse and on a fine grid.
-struct Located<'a> {
-    evidence: HeardLinks<'a>,
-    coarse: (PriorGrid, GridPosterior),
-    fine: (PriorGrid, GridPosterior),
-}
-
 impl ModelWithLaw<'_> {
     /// Where `node` is, and the number of vertices looked at.
     pub(super) fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let Located { evidence, coarse: (coarse, second), fine: (fine, posterior) } = self.posteriors(node);
-        let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
-        let (unknown_m2, concern) = self.unknown(node, &evidence, (&fine, &posterior), concern);
-        let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
-        let GridPosterior { mean, covariance, highest, .. } = posterior;
-        let estimate = Estimate {
-            position: mean,
-            log_likelihood: Some(highest),
-            ties: 1,
-            covariance: Some(wider(covariance.map(|row| row.map(|entry| entry * self.inflation)), unknown_m2)),
-            infeasible: false,
-            concern,
-        };
-        (estimate, vertices)
-    }
-
-    /// The posteriors of `node` on the coarse and the fine grid.
-    fn posteriors<'n>(&self, node: &'n NodeLinks) -> Located<'n> {
         let heard = (self.hearing, self.outages);
         let mut evidence = HeardLinks::new(node, self.links, self.window, heard, !self.law.has_independent_links());
         let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
@@ -47,13 +22,19 @@ impl ModelWithLaw<'_> {
         self.weigh(&mut evidence, &coarse, &second);
         let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
-        Located { evidence, coarse: (coarse, second), fine: (fine, posterior) }
-    }
-
-    /// Whether most of the posterior of `node` is beyond all places.
-    pub(super) fn is_beyond(&self, node: &NodeLinks) -> bool {
-        let Located { fine: (grid, posterior), .. } = self.posteriors(node);
-        self.is_likely_beyond(&grid, &posterior)
+        let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
+        let (unknown_m2, concern) = self.unknown(node, &evidence, &posterior, concern);
+        let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
+        let GridPosterior { mean, covariance, highest, .. } = posterior;
+        let estimate = Estimate {
+            position: mean,
+            log_likelihood: Some(highest),
+            ties: 1,
+            covariance: Some(wider(covariance.map(|row| row.map(|entry| entry * self.inflation)), unknown_m2)),
+            infeasible: false,
+            concern,
+        };
+        (estimate, vertices)
     }
 
     /// Weighs silence and margins where a posterior places the node.

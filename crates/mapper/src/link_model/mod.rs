@@ -231,11 +231,7 @@ impl LinkModel {
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
         let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
         let inflation = unsure_of_law(heard) * if placing.has_alike_nodes() { OF_SIMPLE_LAW } else { 1.0 };
-        let is_beside = false;
-        let mut learned =
-            Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation, is_beside };
-        learned.is_beside = learned.most_are_beyond(links);
-        Ok(Some(learned))
+        Ok(Some(Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation }))
     }
 
     fn work(links: &PlaceLinks, is_spatial: bool) -> Work {
@@ -282,33 +278,16 @@ struct Learned<'a> {
     is_spatial: bool,
     /// Factor on covariances.
     inflation: f64,
-    /// Whether most nodes are likely to be beyond all places.
-    is_beside: bool,
 }
 
-/// At most so many nodes tell whether most are beyond all places.
-const TELLING_NODES: usize = 28;
-
 impl Learned<'_> {
-    fn model<'a>(&'a self, links: &'a PlaceLinks) -> ModelWithLaw<'a> {
-        let Self { placing: law, hearing, outages, window, is_spatial, inflation, is_beside, .. } = self;
-        let (law, is_spatial, inflation, is_beside) = (*law, *is_spatial, *inflation, *is_beside);
-        ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation, is_beside }
-    }
-
-    /// Whether more than half of a few nodes of `links` are likely to be beyond all places.
-    fn most_are_beyond(&self, links: &PlaceLinks) -> bool {
-        let model = self.model(links);
-        let nodes = links.nodes.par_iter().step_by(links.nodes.len().div_ceil(TELLING_NODES).max(1));
-        let (looked, beyond) = (nodes.len(), nodes.filter(|node| model.is_beyond(node)).count());
-        2 * beyond > looked
-    }
-
     /// Adds the nodes of `links` to `map`.
     fn locate(&self, links: &PlaceLinks, map: &mut TopologyMap, watch: &dyn Watch) -> Result<(), Interrupted> {
-        let model = self.model(links);
-        let [low_m, high_m] = self.window.heights();
-        let planes = links.nodes.iter().map(|node| self.window.of(node));
+        let Self { hearing, outages, window, is_spatial, inflation, .. } = self;
+        let (law, is_spatial, inflation) = (self.placing, *is_spatial, *inflation);
+        let model = ModelWithLaw { law, hearing, outages, links, window, is_spatial, inflation };
+        let [low_m, high_m] = window.heights();
+        let planes = links.nodes.iter().map(|node| window.of(node));
         let (low_m, high_m) = planes
             .fold((low_m, high_m), |(low_m, high_m), bounds| (low_m.min(bounds.low[2]), high_m.max(bounds.high[2])));
         map.heights = Some(SoughtHeights { low_m, high_m, ..self.heights });

@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use super::law::Law;
 use super::links::{HeardLink, NodeLinks};
-use super::posterior::{GridPosterior, HeardLinks, PriorGrid};
+use super::posterior::{GridPosterior, HeardLinks};
 use super::with_law::{ModelWithLaw, VERTICES};
 use crate::posterior::{Concern, covariance};
 
@@ -29,12 +29,12 @@ type Covariance = [[f64; 3]; 3];
 
 impl ModelWithLaw<'_> {
     /// The squares of how far `node` may be from its place if what the log hardly tells is free (m²), if that matters, and the
-    /// concern about it beside its `concern`. `fine` is its posterior.
+    /// concern about it beside its `concern`.
     pub(super) fn unknown(
         &self,
         node: &NodeLinks,
         evidence: &HeardLinks<'_>,
-        (grid, posterior): (&PriorGrid, &GridPosterior),
+        posterior: &GridPosterior,
         concern: Option<Concern>,
     ) -> (Option<Covariance>, Option<Concern>) {
         if !self.window.is_guessed()[0] {
@@ -43,19 +43,10 @@ impl ModelWithLaw<'_> {
         if node.links.len() < LEAST_PLACES {
             return (self.within_strength(node, posterior.mean), Some(Concern::TooFew));
         }
-        let is_far = self.window.beyond(posterior.mean) > FAR;
-        let is_beside = self.is_beside && self.is_likely_beyond(grid, posterior);
-        if concern != Some(Concern::AtEdge) && !is_far && !is_beside {
+        if concern != Some(Concern::AtEdge) && self.window.beyond(posterior.mean) < FAR {
             return (None, concern);
         }
         (Some(self.beyond_all_places(evidence, posterior.mean)), concern.or(Some(Concern::AtEdge)))
-    }
-
-    /// Whether most of a posterior is beyond all places.
-    pub(super) fn is_likely_beyond(&self, grid: &PriorGrid, posterior: &GridPosterior) -> bool {
-        let shares = grid.vertices.iter().zip(&posterior.shares);
-        let beyond = shares.filter(|(place, _)| self.window.beyond(**place) > 0.0).map(|(_, share)| share);
-        beyond.sum::<f64>() > 0.5
     }
 
     /// The same of a node whose slope and level are hardly told, and which may be anywhere within reach.

@@ -19,6 +19,4 @@ pub(super) struct ModelWithLaw<'a> {
     pub(super) is_spatial: bool,
     /// Factor on covariances.
     pub(super) inflation: f64,
-    /// Whether most nodes are likely to be beyond all places, so that the survey does not go round them.
-    pub(super) is_beside: bool,
 }
