@@ -179,7 +179,7 @@ mod tests {
         let of = |step_ns: u64, copies: usize| {
             let mut gaps = Gaps::default();
             let times = (0..copies).flat_map(|_| (0..100).map(|number| SimTime::from_nanos(number * step_ns)));
-            times.for_each(|time| drop(gaps.heard(time)));
+            times.for_each(|time| _ = gaps.heard(time));
             gaps.repeated()
         };
         assert_eq!(of(123_456_789, 1), [100, 0]);
