@@ -92,8 +92,7 @@ impl Opinions {
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
     fn place(&self, estimate: &Estimate, others: &[Position], constants: &OpinionConstants) -> Option<Estimate> {
-        // They are places amid the stops, and say nothing of a node beyond them or of the width that few stops leave.
-        if matches!(estimate.concern, Some(Concern::AtEdge | Concern::TooFew)) {
+        if estimate.concern == Some(Concern::TooFew) {
             return None;
         }
         let covariance = estimate.covariance?;
@@ -114,12 +113,20 @@ impl Opinions {
         let along = spread * slope;
         let height = covariance[2][2] - slope.dot(&across) + slope.dot(&along);
         let position = Position::new(mean[0], mean[1], estimate.position.z_m + up_m);
-        let covariance = [
+        let joined = [
             [spread[(0, 0)], spread[(0, 1)], along[0]],
             [spread[(1, 0)], spread[(1, 1)], along[1]],
             [along[0], along[1], height.max(0.0)],
         ];
-        Some(Estimate { position, covariance: Some(covariance), ..estimate.clone() })
+        // The others are places amid the stops: they do not tell that a node is no farther away.
+        let told = if estimate.concern == Some(Concern::AtEdge) {
+            let apart: [f64; 3] = (position - estimate.position).into();
+            let around = |row: usize, column: usize| covariance[row][column] + apart[row] * apart[column];
+            std::array::from_fn(|row| std::array::from_fn(|column| around(row, column)))
+        } else {
+            joined
+        };
+        Some(Estimate { position, covariance: Some(told), ..estimate.clone() })
     }
 }
 
