@@ -199,9 +199,8 @@ mod tests {
                 let solved: Vec<&[f64]> = solved.chunks_exact(size).collect();
                 for (number, side) in solved.iter().enumerate() {
                     assert!((found.squares[number] - dot(side, side)).abs() < 1e-12, "{size}, {number}");
-                    for first in 0..2 {
-                        let product = dot(side, solved[first]);
-                        assert!((found.with_first[first][number] - product).abs() < 1e-12, "{size}, {number}");
+                    for (first, with_first) in solved.iter().zip(&found.with_first) {
+                        assert!((with_first[number] - dot(side, first)).abs() < 1e-12, "{size}, {number}");
                     }
                 }
             }
