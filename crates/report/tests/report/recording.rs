@@ -102,13 +102,12 @@ fn a_tree_has_its_parents_one_after_the_other_and_its_deaths() {
     for (shown, &expected) in deaths.times_s.to_vec().iter().zip(&of_summary) {
         assert!((shown - expected).abs() < 1e-3, "{shown} and {expected}");
     }
-    // The table by depth has the batteries of all nodes with a way.
+    // The table by depth has the batteries of all nodes.
     let dead: usize = routing.by_depth.iter().filter_map(|nodes| nodes.depleted).sum();
-    let with_way = |name: &str| routing.nodes.iter().any(|node| node.name == name && node.depth.is_some());
-    let expected = battery.nodes.iter().filter(|node| node.depleted_s.is_some() && with_way(&node.name)).count();
-    assert_eq!(dead, expected);
+    assert_eq!(dead, battery.depleted);
+    assert_eq!(routing.by_depth.iter().map(|nodes| nodes.nodes).sum::<usize>(), routing.nodes.len());
     let least = routing.by_depth.iter().filter_map(|nodes| nodes.lifetime_d).map(|lifetime| lifetime.min);
-    let shortest = battery.nodes.iter().filter(|node| with_way(&node.name)).filter_map(|node| node.lifetime_d);
+    let shortest = battery.nodes.iter().filter_map(|node| node.lifetime_d);
     let [least, shortest] = [least.fold(f64::INFINITY, f64::min), shortest.fold(f64::INFINITY, f64::min)];
     assert_eq!(least.to_bits(), shortest.to_bits());
 }
