@@ -218,12 +218,11 @@ impl Auto {
             (map, fit) = candidates[number].map(log, prior, watch)?;
         }
         let candidate = candidates[number];
-        let enlarged = agreement::enlargement(&parts[number]);
         let enlargement = match candidate {
             // Its regions know that its law is estimated.
-            Candidate::LinkModel(_) => enlarged,
+            Candidate::LinkModel(_) => 1.0,
             _ => {
-                let enlarged = enlarged.max(unsure_of_law(heard.len()));
+                let enlarged = agreement::enlargement(&parts[number]).max(unsure_of_law(heard.len()));
                 if score::is_surely_better(&predicted[number], &predicted[LINKS]) {
                     enlarged
                 } else {
