@@ -88,7 +88,10 @@ impl SPath {
         let mut places = stops_along(&corners, stop_spacing_m);
         if let Some(polygon) = region.polygon() {
             let within_m = overshoot_m + ROUNDING * stop_spacing_m;
-            places.retain(|(place, _)| polygon.distance_m([place.x_m, place.y_m]) <= within_m);
+            places.retain(|(place, _)| {
+                let place = [place.x_m, place.y_m];
+                polygon.contains(place) || polygon.nearest_on_side(place).1 <= within_m
+            });
         }
         let itinerary = Itinerary::through(places, surroundings)?;
         Ok(Self { itinerary })

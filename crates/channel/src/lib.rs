@@ -65,7 +65,7 @@ pub use fading::trace::{LinkTrace, OtherLinks, Traced, TracedLink};
 pub use geometry::bounds::Bounds;
 pub use geometry::cell_grid::CellGrid;
 pub use geometry::cell_index::CellIndex;
-pub use geometry::polygon::{Polygon, distance_to_side_m};
+pub use geometry::polygon::{Polygon, nearest_on_line};
 pub use geometry::position::Position;
 #[cfg(feature = "obstacles")]
 pub use geometry::shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

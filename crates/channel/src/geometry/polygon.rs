@@ -72,15 +72,6 @@ impl Polygon {
         0.5 * self.sides().map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs()
     }
 
-    /// Distance from `p` to the polygon (m); zero inside.
-    #[must_use]
-    pub fn distance_m(&self, p: [f64; 2]) -> f64 {
-        if self.contains(p) {
-            return 0.0;
-        }
-        self.sides().map(|(a, b)| distance_to_side_m(p, a, b)).fold(f64::INFINITY, f64::min)
-    }
-
     /// Whether a ray from `p` to the east crosses an odd number of sides (Shimrat 1962, Algorithm 112). Places on a side
     /// may be on either side of it.
     #[must_use]
@@ -94,18 +85,8 @@ impl Polygon {
     /// The place on a side that is nearest to `p`, and its distance (m).
     #[must_use]
     pub fn nearest_on_side(&self, p: [f64; 2]) -> ([f64; 2], f64) {
-        let place = |[x_m, y_m]: [f64; 2]| Position::new(x_m, y_m, 0.0);
-        let p = place(p);
-        let nearest = |(a, b): ([f64; 2], [f64; 2])| {
-            let (a, b) = (place(a), place(b));
-            let side = b - a;
-            let squared = side.dot(side);
-            let share = if squared > 0.0 { ((p - a).dot(side) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            let at = a + side * share;
-            ([at.x_m, at.y_m], p.distance_m(at))
-        };
         let nearer = |a: ([f64; 2], f64), b: ([f64; 2], f64)| if b.1 < a.1 { b } else { a };
-        self.sides().map(nearest).reduce(nearer).expect("a polygon has sides")
+        self.sides().map(|(a, b)| nearest_on_line(p, a, b)).reduce(nearer).expect("a polygon has sides")
     }
 
     /// Two sides that cross, if any.
@@ -124,14 +105,15 @@ fn turn([ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]) -> f64 {
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 }
 
-/// Distance from `p` to the line from `a` to `b`, or to the place that both are (m).
+/// The place on the line from `a` to `b` that is nearest to `p`, and its distance (m). The ends may be one place.
 #[must_use]
-pub fn distance_to_side_m(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let square = along[0] * along[0] + along[1] * along[1];
-    let share = ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / square;
-    let share = if square > 0.0 { share.clamp(0.0, 1.0) } else { 0.0 };
-    libm::hypot(p[0] - a[0] - share * along[0], p[1] - a[1] - share * along[1])
+pub fn nearest_on_line(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> ([f64; 2], f64) {
+    let [p, a, b] = [p, a, b].map(|[x_m, y_m]| Position::new(x_m, y_m, 0.0));
+    let side = b - a;
+    let squared = side.dot(side);
+    let share = if squared > 0.0 { ((p - a).dot(side) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let at = a + side * share;
+    ([at.x_m, at.y_m], p.distance_m(at))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The region in which a robot may stop.
 
-use sextant_channel::{Bounds, ObstacleField, Position, Stop, distance_to_side_m};
+use sextant_channel::{Bounds, ObstacleField, Position, Stop, nearest_on_line};
 use sextant_mapper::{Area, convex_hull};
 
 /// The region in which a robot may stop.
@@ -90,7 +90,7 @@ fn distance_m(p: [f64; 2], hull: &[[f64; 2]]) -> f64 {
     if hull.len() > 2 && sides().all(is_left) {
         return 0.0;
     }
-    sides().map(|(&a, &b)| distance_to_side_m(p, a, b)).fold(f64::INFINITY, f64::min)
+    sides().map(|(&a, &b)| nearest_on_line(p, a, b).1).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
