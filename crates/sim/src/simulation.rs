@@ -161,18 +161,13 @@ impl<N: Application> Simulation<N> {
     }
 
     /// Runs until the tasks of all robots and nodes are done, or the time is over, or the observer ends the simulation.
-    pub fn run(self, observer: &mut impl Observer) -> Survey {
-        self.run_told(observer).0
+    pub fn run(self, observer: &mut dyn Observer) -> Survey {
+        self.run_own(observer).0
     }
 
-    /// The same, and returns also what is left of the own applications.
-    pub fn run_own(self, observer: &mut impl Observer) -> (Survey, Applications<N>) {
-        self.run_told(observer)
-    }
-
-    /// The same for any observer: one engine for all, compiled once for each type of applications and not wherever an
-    /// observer is declared.
-    fn run_told(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
+    /// The same, and returns also what is left of the own applications. One engine serves all observers: it is compiled once
+    /// for each type of applications, and not wherever an observer is declared.
+    pub fn run_own(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
         let observer = &mut RememberingObserver::new(observer);
         let Self { engine, roll, robots: names, surveyed, too_far, simulated, .. } = self;
         let ended = engine.run(observer);

@@ -23,7 +23,7 @@ pub(crate) struct PathFlags {
     pub(crate) path_out: Option<PathBuf>,
     /// Places of nodes that are known: a CSV file with columns node,x_m,y_m[,z_m]. Two of them fix frame and scale of an
     /// estimated path. For --track, the receivers
-    #[arg(long, value_name = "nodes.csv")]
+    #[arg(long, value_name = "nodes.csv", requires = "path_sought")]
     pub(crate) known: Option<PathBuf>,
     /// Estimate the track of each moving tag among receivers at known places, instead of a map: from ranges, from strengths, or from
     /// both. LOG is a folder with ranges.csv (t_s,node,range_m[,tag]) or packets.csv (t_s,node,rssi_dbm[,tag], or

@@ -317,6 +317,9 @@ fn a_signal_ends_an_application_and_keeps_what_was_done() {
     std::fs::write(folder.path().join("a.toml"), slow).unwrap();
     let arguments = ["run", "a.toml", "--out", "run.mcap", "--summary", "run.json", "--quiet"];
     let mut child = sextant().current_dir(folder.path()).args(arguments).spawn().unwrap();
+    while !folder.path().join("run.mcap.part").exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
     std::thread::sleep(Duration::from_secs(2));
     crate::program::signal(&child, "-INT");
     #[expect(clippy::disallowed_methods, reason = "a program that hangs must fail the test")]

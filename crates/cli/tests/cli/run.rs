@@ -263,15 +263,15 @@ fn wait_for_growth(out: &Path) {
 fn ctrl_c_leaves_a_complete_recording_of_the_finished_stops() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("cut.mcap");
-    // When the signal comes, some stops are finished, but most are not.
+    // Each of the 100 stops has 0.3 MB of frames, so when the signal comes, some are finished, but most are not.
     let child = sextant()
         .arg("run")
         .arg(scenario("smoke.toml"))
-        .args(["--set", "robots.0.listen_s=1500", "--out"])
+        .args(["--set", "robots.0.listen_s=200", "--set", "recording.frames=true", "--out"])
         .arg(&out)
         .spawn()
         .expect("it starts");
-    std::thread::sleep(Duration::from_millis(1500));
+    wait_for_growth(&out);
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));

@@ -42,7 +42,7 @@ const RIVAL: f64 = 2.0;
 /// theirs, and if it moves the robot by so much (m).
 const CLEAR: f64 = 4.0;
 const GAIN: f64 = 3.0;
-const NOTABLE_M: f64 = 0.25;
+pub(super) const NOTABLE_M: f64 = 0.25;
 
 /// How late the clock of the packets is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,9 +97,23 @@ impl ClockOffset {
     }
 }
 
+/// What tells a delay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sense {
+    /// The strengths of packets.
+    Strengths,
+    /// Which packets were heard.
+    Presence,
+}
+
 /// The delay of the packets `samples` by the clock of `paths`, which are by robot. `None` if there are too few packets, or no
 /// delay in the range of the search is best.
 pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> {
+    estimate(samples, paths).map(|(offset, _)| offset)
+}
+
+/// The same, and what told it.
+pub(super) fn estimate(samples: &Samples, paths: &[&Path]) -> Option<(ClockOffset, Sense)> {
     let speed_m_per_s = usual_speed(paths)?;
     let extent_m = extent_m(paths.iter().flat_map(|path| path.poses()).map(|pose| pose.position));
     let step_s = STEP_M.max(STEP_SHARE * extent_m) / speed_m_per_s;
@@ -170,7 +184,8 @@ pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> 
     let doubt = gains.iter().map(|gain| (gain - usual) * (gain - usual)).sum::<f64>().sqrt();
     let is_clear =
         delay_s.abs() > CLEAR * error_s && gain > GAIN * doubt && delay_s.abs() * speed_m_per_s > NOTABLE_M;
-    Some(ClockOffset { delay_s, error_s, is_clear, rival_s, speed_m_per_s })
+    let sense = if has_strengths { Sense::Strengths } else { Sense::Presence };
+    Some((ClockOffset { delay_s, error_s, is_clear, rival_s, speed_m_per_s }, sense))
 }
 
 /// The sums of the losses at each delay.

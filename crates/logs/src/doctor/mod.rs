@@ -4,6 +4,7 @@
 //! read (the times of packets, each strength, the poses), others at the reception log, and some at a map of it ([`of_map`]).
 
 mod clock;
+mod clock_drift;
 mod coarse;
 mod distance_law;
 mod evidence;
@@ -34,6 +35,7 @@ mod samples;
 mod saturated;
 mod shadowing;
 mod silence_level;
+mod stop_text;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -48,6 +50,7 @@ use crate::path::robot_path::Path;
 use crate::place::local_plane::LocalPlane;
 pub use clock::ClockOffset;
 pub(super) use clock::offset;
+pub(super) use clock_drift::ClockDrift;
 use distance_law::DistanceLaw;
 pub use finding::Finding;
 pub(super) use levels::Levels;
@@ -93,7 +96,7 @@ pub(super) fn told_apart(mut findings: Vec<Finding>) -> Vec<Finding> {
 pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {
     let is_known = |checks: &[&str]| known.iter().any(|finding| checks.contains(&finding.check));
     let places = !is_known(&["no-fix", "outlying-stops", "speed", "impossible-strengths"]);
-    let times = !is_known(&["clock-offset"]);
+    let times = !is_known(&["clock-offset", "clock-drift"]);
     let extent = places.then(|| extent::finding(log)).flatten();
     let law = (places && times && extent.is_none()).then(|| DistanceLaw::of(log)).flatten();
     let no_distance = law.as_ref().and_then(no_distance::finding);

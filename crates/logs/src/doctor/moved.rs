@@ -14,6 +14,7 @@ use super::distance_law::DistanceLaw;
 use super::evidence::{FieldAt, NodeField, ln_mean};
 use super::finding::Finding;
 use super::node_strengths::{NodeStrengths, floors};
+use super::stop_text::stop_text;
 use crate::place::distance::plane_m;
 use sextant_kernel::text::listed;
 
@@ -61,7 +62,7 @@ pub(super) fn finding(log: &ReceptionLog, law: &DistanceLaw) -> Option<Finding> 
     }
     let told = |(node, Moved { after, apart_m, .. }): &(usize, Moved)| {
         let time_s = log.stops()[*after as usize].time.as_secs_f64();
-        let when = if time_s > 0.0 { format!("about {time_s:.0} s") } else { format!("about stop {after}") };
+        let when = if time_s > 0.0 { format!("about {time_s:.0} s") } else { stop_text(log, *after) };
         format!("{} ({apart_m:.1} m at {when})", log.names()[*node])
     };
     Some(Finding {

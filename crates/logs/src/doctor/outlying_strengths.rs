@@ -5,6 +5,7 @@ use sextant_kernel::text::listed;
 use sextant_mapper::{GrossStrength, gross_strengths};
 
 use super::finding::Finding;
+use super::stop_text::stop_text;
 
 /// What is odd of single strengths of `log`.
 pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
@@ -12,7 +13,8 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
         let side = if above_db > 0.0 { "above" } else { "below" };
         let name = &log.names()[node.index()];
         format!(
-            "{name} at stop {stop}: {rssi_dbm:.0} dBm is {:.0} dB {side} what its other {others} strengths say",
+            "{name} at {}: {rssi_dbm:.0} dBm is {:.0} dB {side} what its other {others} strengths say",
+            stop_text(log, stop),
             above_db.abs()
         )
     };

@@ -56,6 +56,15 @@ impl Samples {
         of_node.seen += 1;
     }
 
+    /// Those of the packets that were received at such times.
+    pub(super) fn filtered(&self, is_wanted: impl Fn(SimTime) -> bool) -> Self {
+        let of_node = |node: &OfNode| {
+            let kept = node.kept.iter().copied().filter(|packet| is_wanted(packet.time)).collect();
+            OfNode { kept, ..*node }
+        };
+        Self { nodes: self.nodes.iter().map(of_node).collect() }
+    }
+
     /// The packets that were kept, by node.
     pub(super) fn nodes(&self) -> impl Iterator<Item = &[PacketSample]> {
         self.nodes.iter().map(|of_node| of_node.kept.as_slice())

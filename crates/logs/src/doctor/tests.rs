@@ -188,7 +188,12 @@ fn a_strength_that_no_place_explains_is_named_with_its_node_and_stop() {
     let found = findings(&changed(&log, |stop| stop, wrong));
     let found: Vec<&Finding> = found.iter().filter(|finding| finding.check == "outlying-strengths").collect();
     assert_eq!(found.len(), 1, "{found:?}");
-    assert!(found[0].odd.contains(&format!("n5 at stop {weakest}: -7 dBm is ")), "{}", found[0].odd);
+    assert!(found[0].odd.contains(&format!(" m, number {} of ", weakest + 1)), "{}", found[0].odd);
+    assert!(
+        found[0].odd.contains("n5 at the stop at (") && found[0].odd.contains(": -7 dBm is "),
+        "{}",
+        found[0].odd
+    );
     assert!(found[0].odd.contains(" dB above what its other "), "{}", found[0].odd);
 }
 
@@ -270,6 +275,16 @@ pub(super) fn clock_of_body(
     has_strengths: bool,
     loss_db: impl Fn(f64) -> f64,
 ) -> ClockOffset {
+    offset(&packets(path, |_| delay_s, has_strengths, loss_db), &[path]).unwrap()
+}
+
+/// Packets that are late by so much at each time since the start (s).
+pub(super) fn packets(
+    path: &Path,
+    delay_s: impl Fn(f64) -> f64,
+    has_strengths: bool,
+    loss_db: impl Fn(f64) -> f64,
+) -> Samples {
     let route = route::Route::new(path);
     let mut samples = Samples::default();
     let (start, end) = path.span();
@@ -284,14 +299,34 @@ pub(super) fn clock_of_body(
             let faded = strength_dbm(number, node(number), at) + 3.0 * draw(7, [u64::from(number), packet]);
             let level = faded - loss_db(cosine);
             if level > if has_strengths { -80.0 } else { -60.0 } {
-                let stamp = crate::time::instant::shifted(time, delay_s).unwrap();
+                let stamp =
+                    crate::time::instant::shifted(time, delay_s(time.saturating_since(start).as_secs_f64())).unwrap();
                 samples.take(number, RobotId(0), stamp, has_strengths.then(|| level.round()));
             }
             time = crate::time::instant::shifted(time, 0.5).unwrap();
             packet += 1;
         }
     }
-    offset(&samples, &[path]).unwrap()
+    samples
+}
+
+#[test]
+fn a_clock_that_drifts_or_is_set_is_told_and_a_steady_one_is_not() {
+    let path = path(0.5);
+    let drift = |delay_s: fn(f64) -> f64, loss_db: fn(f64) -> f64| {
+        ClockDrift::of(&packets(&path, delay_s, true, loss_db), &[&path])
+    };
+    let none = |_: f64| 0.0;
+    for (delay_s, what) in [(none as fn(f64) -> f64, "right"), (|_| 5.0, "late")] {
+        assert_eq!(drift(delay_s, none), None, "{what}");
+        assert_eq!(drift(delay_s, |cosine| 2.0 * (1.0 - cosine)), None, "{what}, with a body");
+    }
+    let span_s = path.span().1.saturating_since(path.span().0).as_secs_f64();
+    let slow = packets(&path, |time_s| 8.0 * time_s / span_s, true, none);
+    let told = ClockDrift::of(&slow, &[&path]).unwrap().finding();
+    assert!(told.odd.contains("first half") && told.check == "clock-drift", "{told}");
+    let set = packets(&path, |time_s| if 2.0 * time_s > span_s { 4.0 } else { 0.0 }, true, none);
+    assert!(ClockDrift::of(&set, &[&path]).is_some());
 }
 
 #[test]

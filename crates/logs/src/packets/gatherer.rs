@@ -17,7 +17,7 @@ use super::rssi_check::RssiCheck;
 use super::sending::{self, MOST_SENT};
 use super::signal::Signal;
 use super::strengths::{Report, Strengths};
-use crate::doctor::{self, ClockOffset, Finding, Samples};
+use crate::doctor::{self, ClockDrift, ClockOffset, Finding, Samples};
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::packet_delay::PacketDelay;
 use crate::options::read_options::{ReadOptions, StopRule};
@@ -383,11 +383,12 @@ impl Gatherer {
         Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock })
     }
 
-    /// How late the packets are; a finding if they clearly are.
+    /// How late the packets are; a finding if they clearly are, or not always as much.
     fn clock(&mut self) -> Option<ClockOffset> {
         let paths: Vec<&Path> = self.tracks.iter().map(|track| &track.path).collect();
         let clock = doctor::offset(&self.samples, &paths)?;
-        self.findings.extend(clock.finding());
+        let drift = ClockDrift::of(&self.samples, &paths);
+        self.findings.extend(drift.map(|drift| drift.finding()).or_else(|| clock.finding()));
         Some(clock)
     }
 

@@ -107,6 +107,14 @@ impl Sleeper {
         self.state == State::Resting
     }
 
+    /// Whether a signal keeps it, or a frame that was announced.
+    #[must_use]
+    #[inline]
+    pub fn is_receiving(&self) -> bool {
+        use State::{AwaitingData, AwaitingRendezvous, Hearing, TurningToData};
+        matches!(self.state, Hearing | AwaitingRendezvous(_) | TurningToData(_) | AwaitingData)
+    }
+
     /// Whether it sleeps between two checks.
     #[must_use]
     #[inline]

@@ -30,12 +30,18 @@ pub(crate) fn check_sinks(
         let table = format!("sinks[{i}]");
         let Some(placed) = errors.take(&table, placed) else { continue };
         let is_taken = sinks.iter().any(|other| other.name == placed.name)
-            || config.robots.iter().any(|robot| robot.name == placed.name);
+            || config.robots.iter().any(|robot| robot.name == placed.name)
+            || is_name_of_node(world, &placed.name);
         if is_taken {
-            let found = format!("`{}`, as of another robot or sink", placed.name);
+            let found = format!("`{}`, as of a node, a robot or another sink", placed.name);
             errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
         sinks.push(placed);
     }
     sinks
+}
+
+/// Whether a node has this name: rows of tables and commands name stations, of whatever kind.
+pub(crate) fn is_name_of_node(world: Option<&World>, name: &str) -> bool {
+    world.is_some_and(|world| world.nodes.iter().any(|node| node.name == name))
 }

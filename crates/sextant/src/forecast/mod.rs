@@ -47,9 +47,15 @@ impl Forecast {
         let setup = scenario.setup();
         let reaches = Reach::all(&setup);
         let hops = if scenario.routing().is_some() { Hops::Several } else { Hops::One };
-        let of_network = |reach: &Reach<'_>| NetworkForecast {
-            interval: IntervalForecast::of(reach.network, reach.rate_per_s(), hops),
-            ..reach.forecast()
+        let of_network = |reach: &Reach<'_>| {
+            let forecast = reach.forecast();
+            // What wakes receivers, what nodes send on for others, and fragments are not in it.
+            let is_all_on_air = hops == Hops::One && reach.network.technology.sleeping().is_none();
+            NetworkForecast {
+                interval: IntervalForecast::of(reach.network, reach.rate_per_s(), hops),
+                load: forecast.load.filter(|_| is_all_on_air),
+                ..forecast
+            }
         };
         let networks: Vec<_> = reaches.iter().map(of_network).collect();
         let planned = |robot: &Robot| is_planned(scenario, robot);

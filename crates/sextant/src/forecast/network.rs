@@ -33,7 +33,8 @@ pub struct NetworkForecast {
     /// Share of time for which links are in bursts of loss, if they ever are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst_share: Option<f64>,
-    /// How busy the channel is; absent if the rate of the traffic is not known before the run.
+    /// How busy the channel is; absent if the rate of the traffic is not known before the run, or not all that is on air is: with
+    /// several hops, and where receivers are woken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadForecast>,
     /// How often stations should wake up, if they sleep between checks of the channel and are woken.

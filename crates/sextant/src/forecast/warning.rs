@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use sextant_apps::routing::{RplMode, TreeConfig};
+use sextant_apps::routing::{RoutingConfig, RplMode, TreeConfig};
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 use sextant_mac::EnergyConfig;
@@ -17,6 +17,10 @@ use super::way::{Way, is_planned};
 
 /// A loss at 1 m below this (dB) is none of a radio wave from its antenna: that of free space is 31 dB at 868 MHz.
 const LEAST_LOSS_DB: f64 = 20.0;
+
+/// With fewer retries a frame may well fail though its link is good, if its node sends more often than this (1/s).
+const FEW_RETRIES: u8 = 5;
+const RARE_PER_S: f64 = 0.05;
 
 /// Powers at 1 m above this (dBm) are those of no small radio: 30 dBm at the antenna is -10 dBm there at 2.4 GHz.
 const STRONG_DBM: f64 = -10.0;
@@ -56,6 +60,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.late_packets(reach));
     warnings.chips();
     warnings.route_tables();
+    reaches.iter().for_each(|reach| warnings.tries_of_rpl(reach));
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));
     warnings.out_of_reach(&planned);
@@ -185,6 +190,25 @@ impl Warnings<'_> {
                     "the sink has room for ways to {} of {}; packets to the others are dropped; give it at least {nodes}",
                     rpl.route_table,
                     counted(nodes, "node"),
+                ),
+            );
+        }
+    }
+
+    /// Few tries of a hop, each counted by itself, with which RPL takes a few collisions for a bad link.
+    fn tries_of_rpl(&mut self, reach: &Reach<'_>) {
+        let Some(RoutingConfig { tree: TreeConfig::Rpl(_), resends, .. }) = self.scenario.config().routing else {
+            return;
+        };
+        let Technology::Ieee802154(links) = &reach.network.technology else { return };
+        let retries = links.mac.csma().max_retries();
+        if retries < FEW_RETRIES && reach.rate_per_s().is_none_or(|rate_per_s| rate_per_s > RARE_PER_S) {
+            let table = reach.table();
+            self.warn(
+                format!("{table}mac.csma_unslotted.max_retries"),
+                format!(
+                    "{retries}, with `routing.resends` = {resends}: a frame that fails counts as 12 transmissions, so a few collisions make \
+                     RPL give up good links, and few packets may arrive; Contiki-NG has 7, with `routing.resends` = 0"
                 ),
             );
         }

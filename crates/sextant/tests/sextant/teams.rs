@@ -110,7 +110,7 @@ fn teams_that_cannot_be_are_refused_at_their_keys() {
         ("team.name", "\"a b\"", "`team.name` is `a b-1`"),
         ("team.partition.balance", "\"luck\"", "luck"),
         ("team.controller.s_path.lane_spacing_m", "0", "`team.controller.s_path.lane_spacing_m` is 0"),
-        ("robots", robot, "`team.name` is `surveyor-2`, the name of an earlier robot"),
+        ("robots", robot, "`team.name` is `surveyor-2`, the name of a node or of an earlier robot"),
         ("maps", "[{ stitch = {}, algorithm = { centroid = {} } }]", "`maps[0].stitch`"),
         ("maps.0.stitch.scale", "true", "unknown key `scale`"),
         (

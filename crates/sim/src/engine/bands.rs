@@ -58,7 +58,8 @@ pub(crate) fn bands(networks: &[Network]) -> Result<Vec<Band>, SettingError> {
                 }
                 if networks[band[0]].channel != network.channel {
                     let with = format!("that of network {}, which is on the same radio channel", band[0]);
-                    let remedy = "write the same table in both";
+                    let remedy =
+                        "write the same table in both, with its `reference_loss_db`: the default follows the carrier";
                     return Err(SettingError::conflict(format!("networks[{i}].channel"), with, remedy));
                 }
                 if networks[band[0]].link_trace != network.link_trace {

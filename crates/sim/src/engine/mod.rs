@@ -358,10 +358,8 @@ impl<A: Application> Engine<A> {
             }
             Event::NoiseEnded(number) => self.noises[usize::from(number)].end(number, &mut self.model.scene),
             Event::WarmedUp => {
-                let now = self.model.scene.now;
                 self.catch_up(Cut::now(&self.model.scene));
-                self.restart_batteries();
-                self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
+                self.restart_meters();
             }
         }
         self.wake();

@@ -143,6 +143,10 @@ impl<A: Application> Engine<A> {
     /// Ends at `end`: what is left behind.
     pub(crate) fn conclude(mut self, end: SimTime, observer: &mut impl Observer) -> Ended<A> {
         self.model.scene.now = end;
+        if !self.warm_up.is_zero() && end <= SimTime::ZERO + self.warm_up {
+            // It ends within the warm-up, of which nothing counts.
+            self.restart_meters();
+        }
         // What a robot has driven so far counts.
         for robot in 0..self.model.vehicles.len() {
             self.model.halt(self.model.scene.roll.robot(robot));
@@ -154,6 +158,13 @@ impl<A: Application> Engine<A> {
         }
         self.model.tell_packets(observer);
         self.finish()
+    }
+
+    /// What radios and batteries have used so far does not count.
+    pub(super) fn restart_meters(&mut self) {
+        let now = self.model.scene.now;
+        self.restart_batteries();
+        self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
     }
 
     /// Brings the links to their states before `cut`. Returns when the last one changed.

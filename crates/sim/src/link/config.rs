@@ -46,8 +46,8 @@ pub struct RadioConfig {
     pub noise_floor_dbm: Option<f64>,
     /// The clock of each node is fast or slow by up to this many millionths, drawn uniformly for each node: 0 to 1000.
     /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it, and slots with `mac.tsch`. The
-    /// clocks of robots and sinks are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted` and `mac.tsch`: nodes
-    /// that follow beacons take over the clock of the coordinator, and programs have exact clocks.
+    /// clocks of robots and sinks are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`, `mac.tsch` and
+    /// `mac.sleep`: nodes that follow beacons take over the clock of the coordinator, and programs have exact clocks.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 0.0)))]
     pub clock_ppm: f64,

@@ -85,7 +85,7 @@ impl<N: Application, R, F: FnOnce(&Survey, Applications<N>) -> R> Steps<R> for R
     }
 
     fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, R) {
-        let (survey, own) = self.simulation.run_told(observer);
+        let (survey, own) = self.simulation.run_own(observer);
         let record = (self.record)(&survey, own);
         (survey, record)
     }
@@ -120,7 +120,7 @@ impl Steps<()> for TeamOrOne {
     fn run(self: Box<Self>, observer: &mut dyn Observer) -> (Survey, ()) {
         let survey = match *self {
             Self::Team(team) => team.run(observer),
-            Self::One(one) => one.run_told(observer).0,
+            Self::One(one) => one.run_own(observer).0,
         };
         (survey, ())
     }

@@ -21,7 +21,8 @@ pub struct InterfererConfig {
     pub name: String,
     /// Where it stands (m).
     pub position_m: Position,
-    /// Power over its whole spectrum while it is on, at the reference distance of the path loss (dBm).
+    /// Transmit power over its whole spectrum while it is on (dBm), as `radio.tx_power_dbm` of a node: all path loss comes off it, also that
+    /// at the reference distance.
     pub power_dbm: f64,
     /// The channel of IEEE 802.15.4 at 2450 MHz in whose middle its band lies, 11 to 26; instead of `center_mhz`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -10,7 +10,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, Deafness, Delivery, Destination, FrameId, FrameOutcome, NetworkId, Packets, Payload, Port,
-    ReceptionConfig, SendOutcome, SendReport, Setup, ThresholdConfig, Timer,
+    RadioConfig, ReceptionConfig, SendOutcome, SendReport, Setup, ThresholdConfig, Timer,
 };
 
 use crate::network::{self, Ended};
@@ -60,6 +60,25 @@ fn a_frame_in_range_is_delivered_at_its_end_and_acknowledged_544_us_later() {
         ..Packets::default()
     };
     assert_eq!(ended.networks[0].packets, [expected, Packets::default()]);
+}
+
+#[test]
+fn a_clock_that_is_fast_or_slow_costs_no_acknowledgement() {
+    for clock_ppm in [1.0, 40.0, 1000.0] {
+        for seed in 0..8 {
+            let mut link = network::link(1.0, network::prompt());
+            network::ieee802154(&mut link).radio = network::radios(RadioConfig { clock_ppm, ..network::radio(0.0) });
+            let setup = network::engine(&network::grid(2, 1), link, seed);
+            let sender = Scripted::listener().and_sends(Duration::ZERO, to(1), &[7]);
+            let ended = network::run(setup, vec![sender, Scripted::listener()]);
+            let reports = &ended.applications[0].reports;
+            assert_eq!(
+                (reports[0].1.outcome, reports[0].1.transmissions),
+                (SendOutcome::Acknowledged, 1),
+                "{clock_ppm}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -73,12 +73,14 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
 
 const SILENT: TrafficConfig = TrafficConfig::Silent(SilentConfig {});
 
+fn ears() -> Applications<Ear> {
+    Applications::of_nodes(vec![Ear::default(), Ear::default()])
+}
+
 fn run(stops_left: u32, listening: Listening) -> (Survey, Vec<Ear>) {
     let setup = setup(Some(Box::new(Place { stops_left })), listening, SILENT);
     assert!(setup.surveyed().len() == 1 && !setup.robots[0].is_surveying());
-    let simulation =
-        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()])).expect("good settings");
-    let (survey, Applications { nodes, .. }) = simulation.run_own(&mut Unobserved);
+    let (survey, Applications { nodes, .. }) = network::run_own(setup, ears(), &mut Unobserved);
     (survey, nodes)
 }
 
@@ -135,10 +137,7 @@ fn traffic_beside_applications_of_nodes_is_refused() {
     let refused = |name: Option<&str>| {
         let mut setup = setup(None, Listening::AtStops, TrafficConfig::Periodic(periodic.clone()));
         setup.networks[0].name = name.map(str::to_owned);
-        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()]))
-            .err()
-            .expect("refused")
-            .key
+        network::lend(setup, &mut ears()).err().expect("refused").key
     };
     assert_eq!(refused(None), "traffic");
     assert_eq!(refused(Some("ground")), "networks.ground.traffic");
@@ -160,9 +159,7 @@ fn frames_to_a_robot_do_not_go_to_a_mobile_anchor() {
 fn a_mobile_anchor_with_sectors_sends_from_each_of_them_and_the_best_one_points_at_the_node() {
     let mut setup = setup(Some(Box::new(Place { stops_left: 9 })), Listening::AtStops, SILENT);
     setup.networks[0] = broadcasts::link(broadcasts::EIGHT);
-    let simulation =
-        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()])).expect("good settings");
-    let (survey, Applications { nodes, .. }) = simulation.run_own(&mut Unobserved);
+    let (survey, Applications { nodes, .. }) = network::run_own(setup, ears(), &mut Unobserved);
     let best_at = |x_m: f64| {
         let frames =
             nodes[0].heard.iter().zip(&nodes[0].sectors).filter(|((_, place), _)| (place - x_m).abs() < 1e-9);

@@ -201,24 +201,51 @@ impl<A> std::ops::Deref for Ended<A> {
     }
 }
 
-/// A simulation with an application for each station: nodes first, then robots, then sinks.
-pub(crate) fn simulation<A: Application>(
+/// A simulation with applications of any types: its engine is compiled once for all tests.
+pub(crate) type AnySimulation<'a> = Simulation<&'a mut dyn Application>;
+
+/// A simulation with these applications of the stations, which are lent to it.
+pub(crate) fn lend<A: Application>(
     setup: Setup,
-    mut applications: Vec<A>,
-) -> Result<Simulation<A>, SettingError> {
+    own: &mut Applications<A>,
+) -> Result<AnySimulation<'_>, SettingError> {
+    let Applications { nodes, robots, sinks } = own;
+    let [nodes, robots, sinks] =
+        [nodes, robots, sinks].map(|stations| stations.iter_mut().map(|own| own as &mut dyn Application).collect());
+    Simulation::with(setup, Applications { nodes, robots, sinks })
+}
+
+/// Runs a simulation with these applications to its end, and returns what is left of them.
+pub(crate) fn run_own<A: Application>(
+    setup: Setup,
+    mut own: Applications<A>,
+    observer: &mut dyn Observer,
+) -> (Survey, Applications<A>) {
+    let survey = lend(setup, &mut own).expect("good settings").run(observer);
+    (survey, own)
+}
+
+/// An application for each station: those of the nodes first, then robots, then sinks.
+fn of_stations<A>(setup: &Setup, mut applications: Vec<A>) -> Applications<A> {
     let mut robots = applications.split_off(setup.world.nodes.len());
     let sinks = robots.split_off(setup.robots.len());
-    Simulation::with(setup, Applications { nodes: applications, robots, sinks })
+    Applications { nodes: applications, robots, sinks }
+}
+
+/// What is wrong with a simulation that has an application for each station.
+pub(crate) fn refusal<A: Application>(setup: Setup, applications: Vec<A>) -> Option<SettingError> {
+    let mut own = of_stations(&setup, applications);
+    lend(setup, &mut own).err()
 }
 
 /// Runs a simulation to its end.
 pub(crate) fn run_watched<A: Application>(
     setup: Setup,
     applications: Vec<A>,
-    observer: &mut impl Observer,
+    observer: &mut dyn Observer,
 ) -> Ended<A> {
-    let (survey, Applications { nodes, robots, sinks }) =
-        simulation(setup, applications).expect("good settings").run_own(observer);
+    let own = of_stations(&setup, applications);
+    let (survey, Applications { nodes, robots, sinks }) = run_own(setup, own, observer);
     Ended { applications: nodes.into_iter().chain(robots).chain(sinks).collect(), survey }
 }
 

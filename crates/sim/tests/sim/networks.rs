@@ -183,7 +183,7 @@ fn channel_access_by_beacons_is_refused_for_own_applications() {
     setup.sinks = vec![Sink { name: "sink".into(), position: Position::ORIGIN, networks: None }];
     let beacons = MacConfig::BeaconEnabled(BeaconEnabledConfig::default());
     network::ieee802154(&mut setup.networks[1]).mac = beacons.try_into().expect("good settings");
-    let refusal = network::simulation(setup, vec![Scripted::listener(), Scripted::listener()]).err();
+    let refusal = network::refusal(setup, vec![Scripted::listener(), Scripted::listener()]);
     assert_eq!(refusal.map(|error| error.key).as_deref(), Some("mac.beacon_enabled"));
 }
 

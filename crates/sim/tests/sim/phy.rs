@@ -73,7 +73,7 @@ fn a_frame_of_20_octets_takes_as_long_as_its_bits_and_its_header() {
 
 #[test]
 fn bit_errors_are_refused_for_physical_layers_other_than_that_of_their_rate() {
-    let refusal = |setup: Setup| network::simulation(setup, vec![Scripted::listener(); 2]).err();
+    let refusal = |setup: Setup| network::refusal(setup, vec![Scripted::listener(); 2]);
     for phy in Phy::ALL {
         let found = refusal(setup(phy, ReceptionModel::Ber));
         if phy == Phy::Oqpsk2450 {

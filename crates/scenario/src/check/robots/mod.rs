@@ -9,6 +9,7 @@ use sextant_sim::{Controller, NetworkId, Robot, RobotBody, RobotConfig, RobotTas
 
 use super::errors::Errors;
 use super::networks::Networks;
+use super::sinks::is_name_of_node;
 use crate::config::ScenarioConfig;
 
 /// Maximum distance from the start of a robot to the nearest node (m).
@@ -59,8 +60,8 @@ pub(crate) fn check_robots(
         let Some((body, controller)) = errors.take(&table, checked) else {
             continue;
         };
-        if robots.bodies.iter().any(|other| other.name == body.name) {
-            let found = format!("`{}`, the name of an earlier robot", body.name);
+        if robots.bodies.iter().any(|other| other.name == body.name) || is_name_of_node(world, &body.name) {
+            let found = format!("`{}`, the name of a node or of an earlier robot", body.name);
             errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
         if let Some(controller) = controller {

@@ -106,6 +106,7 @@ impl Links {
                 StationKind::Robot(_) | StationKind::Sink(_) => (Clock::default(), radio.common_levels()),
             };
             let mut stack = Stack::new(state, first_sequence(scene.seed, station, network), clock, levels);
+            stack.lead = radio.lead();
             if mac.csma().has_idle_turnarounds() {
                 stack.meter = stack.meter.with_fall(phy.turnaround());
             }

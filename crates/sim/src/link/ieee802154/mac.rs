@@ -37,7 +37,8 @@ impl TryFrom<MacConfig> for Mac {
 
 impl Mac {
     /// Settings of contention, slotted or unslotted.
-    pub(crate) fn csma(&self) -> CsmaSettings {
+    #[must_use]
+    pub fn csma(&self) -> CsmaSettings {
         match self {
             Self::CsmaUnslotted(csma) => *csma,
             Self::BeaconEnabled(beacons) => beacons.csma(),

@@ -1,5 +1,7 @@
 //! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise, clock, what is received.
 
+use std::time::Duration;
+
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Phy, oqpsk};
@@ -231,6 +233,13 @@ impl Radio {
             Rate::UpTo(ppm) | Rate::FastBy(ppm) => ppm,
         };
         self.all_levels().any(|levels| ppm(levels).abs() > 0.0)
+    }
+
+    /// By how much a receiver is ready for an answer before its clock says that the turnaround is over. 12 symbols are the most
+    /// that a turnaround takes (IEEE 802.15.4-2006, 6.4.1), and clocks differ: an answer of the fastest one reaches the slowest.
+    pub(crate) fn lead(&self) -> Duration {
+        let share = if self.has_drift() { 2.5e-6 * WORST_CLOCK_PPM } else { 0.0 };
+        self.phy().turnaround().mul_f64(share)
     }
 
     /// The clock of a node.

@@ -1,5 +1,7 @@
 //! The state of one station's link, apart from its channel access machine.
 
+use std::time::Duration;
+
 use sextant_channel::{Dbm, Milliwatts};
 use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::csma::Contention;
@@ -41,6 +43,8 @@ pub(super) struct Plan {
 pub(super) struct Stack {
     /// The clock that times everything that the station does by itself.
     pub(super) clock: Clock,
+    /// By how much its receiver is ready for an answer before the clock says so.
+    pub(super) lead: Duration,
     /// Transmit power.
     pub(super) tx_power: Dbm,
     /// Power at or above which carrier sense finds the channel busy.
@@ -102,6 +106,7 @@ impl Stack {
     pub(super) fn new(state: RadioState, sequence: u8, clock: Clock, levels: &Levels) -> Self {
         Self {
             clock,
+            lead: Duration::ZERO,
             tx_power: levels.tx_power,
             cca_threshold: levels.cca_threshold.to_milliwatts(),
             meter: EnergyMeter::new(state, SimTime::ZERO),

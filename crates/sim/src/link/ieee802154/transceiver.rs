@@ -98,6 +98,7 @@ impl csma::Radio for Transceiver<'_> {
 
     fn after(&mut self, span: Duration, event: csma::Event) {
         let span = self.stack.clock.span(span);
+        let span = if event == csma::Event::ReceiveReady { span.saturating_sub(self.stack.lead) } else { span };
         self.stack.timer = self.await_access(span, Event::Csma(event));
     }
 

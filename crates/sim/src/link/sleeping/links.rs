@@ -115,6 +115,7 @@ impl Links {
                 sequence: first_sequence(scene.seed, station, network),
                 frames: 0,
                 draws: 0,
+                is_held: false,
                 is_traced: false,
             }
         };

@@ -119,6 +119,8 @@ pub(super) struct Stack {
     pub(super) frames: u32,
     /// Number of waits drawn so far.
     pub(super) draws: u64,
+    /// Whether the packet that is first in the queue waited while the station received something.
+    pub(super) is_held: bool,
     pub(super) is_traced: bool,
 }
 

@@ -35,7 +35,7 @@ pub enum AtEnd {
     Stay,
     /// It goes to the first place, and over all places again.
     Loop,
-    /// It is gone from the world; nodes stay.
+    /// It is gone from the world; not for nodes, which stay in it.
     Leave,
 }
 

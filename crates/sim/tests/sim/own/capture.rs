@@ -7,7 +7,7 @@ use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{
     Application, Applications, AtEnd, Estimate, FieldId, Observer, Odometry, OdometryConfig, Port, Robot, RobotBody,
-    Sensed, Setup, Simulation, TargetId, Timer, World,
+    Sensed, Setup, TargetId, Timer, World,
 };
 
 use super::setup;
@@ -95,8 +95,7 @@ fn hunt(setup: Setup, robot: Station) -> (Applications<Station>, Notebook) {
     let nodes = vec![Station::Watcher(Vec::new()); setup.world.nodes.len()];
     let own = Applications { nodes, robots: vec![robot], sinks: Vec::new() };
     let mut notebook = Notebook::default();
-    let simulation = Simulation::with(setup, own).expect("good settings");
-    let (_, own) = simulation.run_own(&mut notebook);
+    let (_, own) = network::run_own(setup, own, &mut notebook);
     (own, notebook)
 }
 
@@ -250,7 +249,7 @@ fn an_observer_is_told_what_an_application_works_out() {
     let own = Applications { nodes: Vec::new(), robots: vec![Thinker], sinks: Vec::new() };
     let setup = setup(World::default(), &[[0.0; 3]], &[], 60.0, 1);
     let mut notebook = Notebook::default();
-    Simulation::with(setup, own).expect("good settings").run_own(&mut notebook);
+    network::run_own(setup, own, &mut notebook);
     let robot = StationId(0);
     let at = |time, thought| (robot, seconds(time), thought);
     let [a, b, c] = THOUGHTS;

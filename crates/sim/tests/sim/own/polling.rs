@@ -7,7 +7,7 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{
     Application, Applications, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, SendOutcome,
-    SendReport, Simulation, Survey, Timer, Unobserved, World,
+    SendReport, Survey, Timer, Unobserved, World,
 };
 
 use super::{NETWORK, setup};
@@ -144,7 +144,7 @@ fn poll(seed: u64) -> (Survey, Applications<Station>, Vec<Position>) {
     let setup = setup(world, &[[3.0, 9.0, 0.0]], &[], 60.2, seed);
     let nodes = vec![Station::Node { asked: Vec::new(), reports: Vec::new() }; places.len()];
     let own = Applications { nodes, robots: vec![Station::Robot(Driver::default())], sinks: Vec::new() };
-    let (survey, own) = Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved);
+    let (survey, own) = network::run_own(setup, own, &mut Unobserved);
     (survey, own, places)
 }
 
@@ -257,7 +257,7 @@ fn chain(change: impl FnOnce(&mut Applications<Relay>)) -> Applications<Relay> {
     };
     change(&mut own);
     let setup = setup(world, &[[0.0; 3]], &[[40.0, 0.0, 0.0]], 30.0, 2);
-    Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved).1
+    network::run_own(setup, own, &mut Unobserved).1
 }
 
 const ROBOT: StationId = StationId(4);

@@ -7,7 +7,7 @@ use std::time::Duration;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_sim::{
     Application, Applications, Delivery, Destination, DriveEnd, Driving, Odometry, OdometryConfig, Payload, Port,
-    Robot, RobotBody, Setup, Simulation, Survey, Timer, Unobserved, World,
+    Robot, RobotBody, Setup, Survey, Timer, Unobserved, World,
 };
 
 use super::{NETWORK, setup};
@@ -85,7 +85,7 @@ impl Application for Station {
 fn fly(setup: Setup, flyer: Flyer) -> (Survey, Flyer) {
     let nodes = vec![Station::Caller; setup.world.nodes.len()];
     let own = Applications { nodes, robots: vec![Station::Flyer(flyer)], sinks: Vec::new() };
-    let (survey, own) = Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved);
+    let (survey, own) = network::run_own(setup, own, &mut Unobserved);
     match own.robots.into_iter().next() {
         Some(Station::Flyer(flyer)) => (survey, flyer),
         robot => panic!("a robot flies: {robot:?}"),

@@ -141,8 +141,7 @@ fn run(nodes: usize, octets: usize, frames: u32, seed: u64, access: Access) -> (
     let senders = (0..nodes).map(|_| Sender::new(octets, frames, access)).collect();
     let mut seen = Frames::kept(|frame| (frame.start.as_nanos(), frame.source, !frame.heard.is_empty()));
     let stations = sextant_sim::Applications::of_nodes(senders);
-    let simulation = sextant_sim::Simulation::with(setup, stations).expect("good settings");
-    let (_, stations) = simulation.run_own(&mut seen);
+    let (_, stations) = network::run_own(setup, stations, &mut seen);
     (seen.0, stations.nodes.iter().map(|sender| sender.failures).sum())
 }
 

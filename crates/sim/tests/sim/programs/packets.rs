@@ -101,8 +101,8 @@ fn star(nodes: usize) -> Setup {
 fn simulate(setup: Setup, senders: Vec<Sender>) -> (sextant_sim::Survey, Watched) {
     let mut watched = Watched::default();
     let stations = sextant_sim::Applications::of_nodes(senders);
-    let simulation = sextant_sim::Simulation::with(setup, stations).expect("good settings");
-    (simulation.run(&mut watched), watched)
+    let (survey, _) = network::run_own(setup, stations, &mut watched);
+    (survey, watched)
 }
 
 #[test]

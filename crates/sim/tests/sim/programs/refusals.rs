@@ -6,7 +6,7 @@ use sextant_mac::csma::CsmaConfig;
 use sextant_mac::program::ProgramConfig;
 use sextant_sim::{
     Application, Applications, Destination, FrameId, Network, Payload, Port, RadioError, RadioFrame, SendError,
-    SendOutcome, Setup, Simulation, Unobserved,
+    SendOutcome, Setup, Unobserved,
 };
 
 use super::{NETWORK, Step, log, run, script, to_all, us};
@@ -142,7 +142,7 @@ fn no_radio_has_two_masters() {
             ..network::engine(&network::cluster(2), link, 1)
         };
         let stations = Applications::of_nodes(vec![Asks::default(), Asks::default()]);
-        let (_, stations) = Simulation::with(setup, stations).expect("good settings").run_own(&mut Unobserved);
+        let (_, stations) = network::run_own(setup, stations, &mut Unobserved);
         let Asks { radio, sends } = stations.nodes.into_iter().next().expect("a node");
         (radio, sends)
     };

@@ -19,8 +19,8 @@ use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::report::Destination;
 
-/// The payload of a strobe: an octet that says nothing else.
-const STROBE: &[u8] = b"s";
+/// The payload of a strobe: an octet that is none of 6LoWPAN (RFC 4944, 5.1: NALP).
+const STROBE: &[u8] = &[0];
 
 /// Size of an acknowledgement that tells nothing (octets).
 const ACKNOWLEDGEMENT_OCTETS: u8 = 5;

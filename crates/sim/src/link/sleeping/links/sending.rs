@@ -23,21 +23,29 @@ use crate::service::report::{Destination, SendOutcome};
 const GREATEST_EXPONENT: u32 = 3;
 
 impl Links {
-    /// A station goes on with the packet that is first in its queue, if nothing else keeps it.
+    /// A station goes on with the packet that is first in its queue, if nothing else keeps it. A packet that waited for what the
+    /// station received waits for a random time besides: all that received it would begin at one instant.
     pub(super) fn go_on(&mut self, station: StationId, scene: &mut Scene) {
-        let stack = &self.stacks[station.index()];
-        if !stack.is_there || !stack.sleeper.is_free() || !matches!(stack.work, Work::None) {
+        let stack = &mut self.stacks[station.index()];
+        let Some(frame) = stack.waiting.front() else { return };
+        if !stack.is_there || !matches!(stack.work, Work::None) {
             return;
         }
-        let Some(frame) = stack.waiting.front() else { return };
-        let airtime = self.phy().airtime(frame.mpdu_octets);
-        match self.aim(station, frame.to, airtime, scene.now) {
+        if !stack.sleeper.is_free() {
+            stack.is_held |= stack.sleeper.is_receiving();
+            return;
+        }
+        let was_held = std::mem::take(&mut stack.is_held);
+        let (to, mpdu_octets) = (frame.to, frame.mpdu_octets);
+        let airtime = self.phy().airtime(mpdu_octets);
+        match self.aim(station, to, airtime, scene.now) {
             Some((at, aimed)) => {
                 let key = self.schedule_at(station, at, Event::AttemptDue, scene);
                 self.stacks[station.index()].work = Work::Aiming { key, span: aimed.span };
             }
+            None if was_held => self.back_off(station, 0, scene),
             None => {
-                let span = match frame.to {
+                let span = match to {
                     // All those that are woken for a copy hear the next one.
                     Destination::All => self.settings.whole(airtime) + self.settings.period(airtime),
                     Destination::Station(to) if self.settings.form == Form::Csl && self.is_always_on(to) => {

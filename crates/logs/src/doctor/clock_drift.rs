@@ -1,0 +1,62 @@
+//! Whether the clock of the packets runs at another rate than that of the path, or was set in between: its delay in the two
+//! halves of the log, each estimated alone.
+//!
+//! One delay for all would be wrong in both halves, and taking it off would leave the rest.
+
+use sextant_kernel::SimTime;
+
+use super::clock::{ClockOffset, NOTABLE_M, Sense, estimate};
+use super::finding::Finding;
+use super::samples::Samples;
+use crate::path::robot_path::Path;
+
+/// The delays of the halves differ clearly if they do by so many times the uncertainty of their difference.
+const CLEAR: f64 = 4.0;
+
+/// How late the clock of the packets is in the first and in the second half of the time of the paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ClockDrift {
+    halves: [ClockOffset; 2],
+}
+
+impl ClockDrift {
+    /// The halves of a log whose delays clearly differ. `None` too if they cannot be told: without strengths, from few packets,
+    /// or if another delay explains as much.
+    pub(crate) fn of(samples: &Samples, paths: &[&Path]) -> Option<Self> {
+        let start = paths.iter().map(|path| path.span().0).min()?;
+        let end = paths.iter().map(|path| path.span().1).max()?;
+        let middle = start + end.saturating_since(start) / 2;
+        let half = |is_of_half: fn(SimTime, SimTime) -> bool| {
+            let (offset, sense) = estimate(&samples.filtered(|time| is_of_half(time, middle)), paths)?;
+            (sense == Sense::Strengths && offset.rival_s.is_none()).then_some(offset)
+        };
+        let halves = [half(|time, middle| time < middle)?, half(|time, middle| time >= middle)?];
+        let change_s = (halves[1].delay_s - halves[0].delay_s).abs();
+        let error_s = libm::hypot(halves[0].error_s, halves[1].error_s);
+        let speed_m_per_s = halves[0].speed_m_per_s;
+        (change_s > CLEAR * error_s && change_s * speed_m_per_s > 2.0 * NOTABLE_M).then_some(Self { halves })
+    }
+
+    /// What the user should know of it.
+    pub(crate) fn finding(&self) -> Finding {
+        let [first, second] = self.halves.map(|half| format!("{:.2} ± {:.2} s", half.delay_s, 2.0 * half.error_s));
+        let [first_s, second_s] = self.halves.map(|half| half.delay_s);
+        let speed_m_per_s = self.halves[0].speed_m_per_s;
+        let most_s = first_s.abs().max(second_s.abs());
+        Finding {
+            check: "clock-drift",
+            odd: format!(
+                "the times of the packets seem to be {first} late by the clock of the path in the first half of the log, and \
+                 {second} in the second: one of the clocks drifts, or was set"
+            ),
+            cost: format!(
+                "at {speed_m_per_s:.2} m/s the robot is taken to be {:.1} m and more from where it heard them, and no single \
+                 delay corrects it",
+                most_s * speed_m_per_s
+            ),
+            remedy: "give packets and poses the times of one clock, or map the parts of the log alone, each with \
+                     `packet_delay=auto`"
+                .to_owned(),
+        }
+    }
+}
