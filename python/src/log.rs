@@ -11,8 +11,7 @@ use sextant::kernel::SimTime;
 use sextant::logs::doctor::Finding;
 use sextant::logs::{self, ReadOptions, RobotLog, Source};
 use sextant::mapping::{self, Input};
-use sextant::recording::SCENARIO_ATTACHMENT;
-use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
+use sextant::scenario::AlgorithmName;
 use sextant::summary::Stopwatch;
 
 use crate::entries::each_entry_of_dict;
@@ -142,11 +141,7 @@ impl Log {
             let truth = table_log::truth(&table, input.plane.as_ref(), &mut input.notes).or_exception(py)?;
             input.take_truth(truth);
         }
-        let text = input.scenario.clone();
-        let files = input.files.clone();
-        let name = format!("{SCENARIO_ATTACHMENT} of {}", self.origin.title);
-        let scenario = text.as_deref().map(|text| RecordedScenario { name: &name, text, files: &files });
-        let settings = MapSettings::new(scenario, algorithm, mapping.profile.as_deref(), network, &given);
+        let settings = input.map_settings(algorithm, mapping.profile.as_deref(), network, &given);
         let settings = settings.or_exception(py)?;
         let prior =
             mapping::place_prior(mapping.area.as_deref(), mapping.near_stops, input.plane.as_ref(), &settings.maps);

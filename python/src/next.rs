@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use sextant::floorplan::{self, FloorPlanOptions};
 use sextant::mapping;
-use sextant::next::{NextSettings, next_stops as stops_of};
+use sextant::next::{NextSettings, map_settings, next_stops as stops_of};
 use sextant::scenario::AlgorithmName;
 
 use crate::error::OrException;
@@ -42,18 +41,14 @@ pub(crate) fn next_stops<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let threads = threads(asked.threads.as_ref())?;
-    let usual = if asked.profile.is_some() { "ml-tm" } else { "auto" };
-    let algorithm = asked.algorithm.as_deref().unwrap_or(usual).parse::<AlgorithmName>();
+    let algorithm = asked.algorithm.as_deref().map(str::parse::<AlgorithmName>).transpose();
     let algorithm = algorithm.map_err(|why| PyValueError::new_err(why.to_string()))?;
     let mut input = log.input_of(asked.network.as_deref())?;
-    let settings = input.map_settings(Some(algorithm), asked.profile.as_deref(), asked.network.as_deref(), &[]);
+    let settings = map_settings(&input, algorithm, asked.profile.as_deref(), asked.network.as_deref());
     let settings = settings.or_exception(py)?;
     let area = asked.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose();
     if let Some(path) = &asked.floorplan {
-        let refused = |why: &dyn std::fmt::Display| PyValueError::new_err(format!("`{}`: {why}", path.display()));
-        let plan = floorplan::read(path, &FloorPlanOptions::default()).map_err(|why| refused(&why))?;
-        input.floor = Some(plan.obstacles().map_err(|why| refused(&why))?);
-        input.notes.extend(plan.notes);
+        input.lay(path).map_err(|why| PyValueError::new_err(why.to_string()))?;
     }
     let asked = NextSettings {
         stops: asked.stops,

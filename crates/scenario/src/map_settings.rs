@@ -51,16 +51,20 @@ impl AlgorithmName {
         self.0.description
     }
 
-    /// The algorithm of a log without a scenario, if none is named: the one whose settings are given, `ml-tm` for a
-    /// profile, otherwise the choice of the log.
-    fn meant(has_scenario: bool, has_profile: bool, set: &[String]) -> Option<Self> {
+    /// The algorithm of a log without a scenario, if none is named: the one whose settings are given, otherwise the usual one.
+    fn meant(has_scenario: bool, profile: Option<&str>, set: &[String]) -> Option<Self> {
         let is_set = |name: &Self| {
             let key = format!("algorithm.{}", name.0.key());
             set.iter().any(|setting| setting.contains(&key))
         };
         let set_up = Self::all().into_iter().find(is_set);
-        let usual = if has_profile { WITH_PROFILE } else { AUTO };
-        (!has_scenario).then(|| set_up.unwrap_or_else(|| Self::of_key(usual)))
+        (!has_scenario).then(|| set_up.unwrap_or_else(|| Self::usual(profile)))
+    }
+
+    /// The usual one of a log: `ml-tm` for a `profile`, otherwise the choice of the log.
+    #[must_use]
+    pub fn usual(profile: Option<&str>) -> Self {
+        Self::of_key(if profile.is_some() { WITH_PROFILE } else { AUTO })
     }
 
     /// One map by the algorithm, as written in a scenario.
@@ -134,7 +138,7 @@ impl MapSettings {
         network: Option<&str>,
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let algorithm = algorithm.or_else(|| AlgorithmName::meant(scenario.is_some(), profile.is_some(), set));
+        let algorithm = algorithm.or_else(|| AlgorithmName::meant(scenario.is_some(), profile, set));
         let mut document = document(scenario, algorithm)?;
         if let Some(profile) = profile {
             replace_profiles(&mut document, profile)?;

@@ -1,66 +1,16 @@
 //! Which scenarios have the same surveys.
 
-use std::collections::BTreeMap;
-
 use serde::Serialize;
-use sextant_apps::ControllerConfig;
-use sextant_apps::distributed::DistributedMappingConfig;
-use sextant_apps::routing::RoutingConfig;
-use sextant_channel::{ChannelConfig, RangingDeviceConfig};
-use sextant_mac::EnergyConfig;
-use sextant_sim::{
-    AnchorsConfig, AntennasConfig, BatteryConfig, FaultsConfig, InterfererConfig, LinkTraceConfig, MacConfig,
-    RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
-};
+use sextant_sim::{AnchorsConfig, DiscoveryConfig};
 use sha2::{Digest, Sha256};
 
-use super::config::ScenarioConfig;
-use super::config::network::NetworkConfig;
-use super::config::simulation::SimulationConfig;
-use super::config::team::TeamConfig;
+use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::loaded::Scenario;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SurveyIdentity([u8; 32]);
-
-/// The settings that a survey depends on.
-#[derive(Serialize)]
-struct SurveySettings<'a> {
-    world: &'a WorldConfig,
-    sensors: &'a SensorsConfig,
-    radio: &'a Option<RadioConfig>,
-    channel: &'a ChannelConfig,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    link_trace: &'a Option<LinkTraceConfig>,
-    mac: &'a MacConfig,
-    traffic: &'a Option<TrafficConfig>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    routing: &'a Option<RoutingConfig>,
-    reception: &'a Option<ReceptionConfig>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ranging: &'a Option<RangingDeviceConfig>,
-    antenna: &'a Option<AntennasConfig>,
-    energy: &'a Option<EnergyConfig>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    battery: &'a Option<BatteryConfig>,
-    networks: &'a BTreeMap<String, NetworkConfig>,
-    duration_s: &'a Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    warm_up_s: &'a Option<f64>,
-    #[serde(skip_serializing_if = "SimulationConfig::is_default")]
-    simulation: &'a SimulationConfig,
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    interferers: &'a [InterfererConfig],
-    sinks: &'a [SinkConfig],
-    robots: &'a [RobotConfig<ControllerConfig>],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    team: &'a Option<TeamConfig>,
-    faults: &'a FaultsConfig,
-    /// The map that nodes compute while they are surveyed, and the anchors that begin it.
-    distributed: Option<(&'a DistributedMappingConfig, &'a AnchorsConfig)>,
-}
 
 impl SurveyIdentity {
     /// The identity of the surveys of `config`.
@@ -69,68 +19,23 @@ impl SurveyIdentity {
     /// Never for a scenario that was read from text.
     #[must_use]
     pub fn of(config: &ScenarioConfig) -> Self {
-        let config = &with_paths_as_text(config);
-        // Without `..`, so that a new table of settings must be listed here.
-        let ScenarioConfig {
-            world,
-            sensors,
-            radio,
-            channel,
-            link_trace,
-            mac,
-            traffic,
-            routing,
-            reception,
-            ranging,
-            antenna,
-            energy,
-            battery,
-            networks,
-            duration_s,
-            warm_up_s,
-            simulation,
-            interferers,
-            sinks,
-            robots,
-            team,
-            faults,
-            name: _,
-            seed: _,
-            anchors,
-            distributed_mapping,
-            discovery: _,
-            maps: _,
-            applications: _,
-            metrics: _,
-            recording: _,
-            sweep: _,
-        } = config;
-        let settings = SurveySettings {
-            world,
-            sensors,
-            radio,
-            channel,
-            link_trace,
-            mac,
-            traffic,
-            routing,
-            reception,
-            ranging,
-            antenna,
-            energy,
-            battery,
-            networks,
-            duration_s,
-            warm_up_s,
-            simulation,
-            interferers,
-            sinks,
-            robots,
-            team,
-            faults,
-            distributed: distributed_mapping.as_ref().map(|mapping| (mapping, anchors)),
+        // A survey depends on each table that is not listed here.
+        let mut config = ScenarioConfig {
+            name: String::new(),
+            seed: 0,
+            discovery: DiscoveryConfig::default(),
+            maps: Vec::new(),
+            applications: Vec::new(),
+            metrics: MetricsConfig::default(),
+            recording: RecordingConfig::default(),
+            sweep: None,
+            ..with_paths_as_text(config)
         };
-        Self(hash(&settings))
+        // Anchors begin the map that nodes compute while they are surveyed.
+        if config.distributed_mapping.is_none() {
+            config.anchors = AnchorsConfig::default();
+        }
+        Self(hash(&config))
     }
 }
 

@@ -275,15 +275,6 @@ impl Antenna {
         }
     }
 
-    /// The sector with this `address` in the given sweep.
-    #[must_use]
-    pub fn sector_at(&self, sweep: u8, address: SectorAddress) -> Option<u8> {
-        if sweep >= self.sweeps() {
-            return None;
-        }
-        self.sectors_of_sweep(sweep).find(|&sector| self.address(sector) == address)
-    }
-
     /// Gain of `sector` in `direction`, without the ripple.
     ///
     /// # Panics

@@ -98,13 +98,6 @@ impl Orientation {
     pub fn to_antenna_frame(&self, direction: Position) -> Position {
         Position::new(self.forward.dot(direction), self.left.dot(direction), self.up.dot(direction))
     }
-
-    /// A direction of the frame of the antenna in the world: the inverse of
-    /// [`to_antenna_frame`](Self::to_antenna_frame).
-    #[must_use]
-    pub fn to_world_frame(&self, direction: Position) -> Position {
-        self.forward * direction.x_m + self.left * direction.y_m + self.up * direction.z_m
-    }
 }
 
 /// An angle in degrees, without the digits that a rounding of degrees to radians has added.
@@ -119,6 +112,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// A direction of the frame of the antenna in the world.
+    fn in_world(turned: &Orientation, direction: Position) -> Position {
+        turned.forward * direction.x_m + turned.left * direction.y_m + turned.up * direction.z_m
+    }
+
     fn close(a: Position, b: Position) -> bool {
         a.distance_m(b) < 1e-12
     }
@@ -127,7 +125,7 @@ mod tests {
     fn yaw_turns_left_pitch_tilts_up_and_roll_lifts_the_left_side() {
         let turned = |yaw: f64, pitch: f64, roll: f64, p: [f64; 3]| {
             let config = OrientationConfig { yaw_deg: yaw, pitch_deg: pitch, roll_deg: roll };
-            Orientation::try_from(config).unwrap().to_world_frame(p.into())
+            in_world(&Orientation::try_from(config).unwrap(), p.into())
         };
         assert!(close(turned(90.0, 0.0, 0.0, [1.0, 0.0, 0.0]), Position::new(0.0, 1.0, 0.0)));
         assert!(close(turned(0.0, 90.0, 0.0, [1.0, 0.0, 0.0]), Position::new(0.0, 0.0, 1.0)));
@@ -170,7 +168,7 @@ mod tests {
             let (x, y) = (turned.to_antenna_frame(a), turned.to_antenna_frame(b));
             prop_assert!((x.dot(y) - a.dot(b)).abs() < 1e-12);
             prop_assert!(close(x.cross(y), turned.to_antenna_frame(a.cross(b))));
-            prop_assert!(close(turned.to_world_frame(x), a));
+            prop_assert!(close(in_world(&turned, x), a));
         }
     }
 }

@@ -56,7 +56,7 @@ impl Polygon {
 
     /// The sides, each from one corner to the next.
     pub fn sides(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-        self.corners.iter().copied().zip(self.corners.iter().copied().cycle().skip(1))
+        sides(&self.corners)
     }
 
     /// The polygon whose corners are where `change` puts these. The change must keep what is inside, inside: a turn, a shift, a
@@ -69,7 +69,7 @@ impl Polygon {
     /// The area between the sides (m²).
     #[must_use]
     pub fn area_m2(&self) -> f64 {
-        0.5 * self.sides().map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs()
+        area_m2(&self.corners)
     }
 
     /// Whether a ray from `p` to the east crosses an odd number of sides (Shimrat 1962, Algorithm 112). Places on a side
@@ -98,6 +98,16 @@ impl Polygon {
             apart(turn(a, b, c), turn(a, b, d)) && apart(turn(c, d, a), turn(c, d, b))
         })
     }
+}
+
+/// The sides between corners in order, each from one corner to the next.
+fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+/// The area between corners in order (m²).
+pub(crate) fn area_m2(corners: &[[f64; 2]]) -> f64 {
+    0.5 * sides(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs()
 }
 
 /// Twice the area of the triangle a, b, c: positive if it turns left.

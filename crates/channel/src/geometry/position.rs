@@ -93,6 +93,16 @@ impl Position {
         (self - other).length_m()
     }
 
+    /// The displacement, turned counterclockwise about the vertical axis.
+    #[must_use]
+    pub fn turned(self, turn_rad: f64) -> Self {
+        if turn_rad.abs() <= 0.0 {
+            return self;
+        }
+        let (sin, cos) = (libm::sin(turn_rad), libm::cos(turn_rad));
+        Self::new(cos * self.x_m - sin * self.y_m, sin * self.x_m + cos * self.y_m, self.z_m)
+    }
+
     /// Largest coordinate of any place in a network, as an absolute value (m).
     pub const FARTHEST_M: f64 = 1e9;
 

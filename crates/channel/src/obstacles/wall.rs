@@ -3,6 +3,7 @@
 use sextant_kernel::SettingError;
 
 use super::obstacle::{Obstacle, ObstacleConfig};
+use crate::geometry::polygon::area_m2;
 use crate::geometry::shape::{LEVEL_M, PrismConfig, ShapeConfig};
 
 /// A wall as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of these and
@@ -156,12 +157,6 @@ struct Placed<'a> {
     opening: &'a OpeningConfig,
     /// Its place among those as written.
     number: usize,
-}
-
-/// Area between corners (m²).
-fn area_m2(corners_m: &[Vector]) -> f64 {
-    let turn = |(a, b): (&Vector, &Vector)| a[0] * b[1] - a[1] * b[0];
-    0.5 * corners_m.iter().zip(corners_m.iter().cycle().skip(1)).map(turn).sum::<f64>().abs()
 }
 
 impl WallConfig {

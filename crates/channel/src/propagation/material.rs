@@ -86,12 +86,6 @@ impl Material {
         Self::named(name).or_else(|| Self::named(name.strip_prefix("itu-")?))
     }
 
-    /// Loss of power per metre (dB).
-    #[must_use]
-    pub fn loss_db_per_m(&self) -> f64 {
-        10.0 * self.absorption_per_m * std::f64::consts::LOG10_E
-    }
-
     /// Absorption coefficient α at the carrier (1/m): the listed one without a carrier. Beyond the carriers for which
     /// the model holds, that of the nearest one for which it does.
     #[must_use]
@@ -249,7 +243,8 @@ mod tests {
             assert!(material.absorption_per_m > 0.0 && !material.source.is_empty());
         }
         let concrete = Material::named("concrete").unwrap();
-        assert!((concrete.loss_db_per_m() - 19.977_546).abs() < 1e-6);
+        let loss_db_per_m = 10.0 * concrete.absorption_per_m * std::f64::consts::LOG10_E;
+        assert!((loss_db_per_m - 19.977_546).abs() < 1e-6);
         assert_eq!(Material::named("Concrete"), None);
     }
 

@@ -94,12 +94,7 @@ impl Unit {
 /// # Errors
 /// If the plan cannot be read, or a wall is invalid.
 pub(super) fn lay(plan: Option<&Path>, input: &mut Input) -> Result<(), Failure> {
-    let Some(plan) = plan else { return Ok(()) };
-    let read = floorplan::read(plan, &FloorPlanOptions::default()).map_err(unlaid)?;
-    let wrong = |why| Failure::bad_input(format!("`{}`: {why}", plan.display()));
-    input.floor = Some(read.obstacles().map_err(wrong)?);
-    input.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
-    Ok(())
+    plan.map_or(Ok(()), |plan| input.lay(plan).map_err(unlaid))
 }
 
 /// Why a plan is not laid under a map. What it does not say, only `sextant floorplan` can be told.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sextant::mapping::{self, Input};
-use sextant::next::{NextSettings, next_stops};
+use sextant::next::{NextSettings, map_settings, next_stops};
 use sextant::scenario::AlgorithmName;
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::write_file;
@@ -88,9 +88,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     admit(&outputs, Some(arguments.work))?;
     let network = arguments.network.as_deref();
     let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
-    let usual = if arguments.profile.is_some() { "ml-tm" } else { "auto" };
-    let algorithm = arguments.algorithm.or_else(|| usual.parse().ok());
-    let settings = input.map_settings(algorithm, arguments.profile.as_deref(), network, &[])?;
+    let settings = map_settings(&input, arguments.algorithm, arguments.profile.as_deref(), network)?;
     let area = arguments.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose()?;
     floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
     let next = NextSettings {

@@ -4,12 +4,8 @@
 
 mod damage;
 mod failure;
-mod gatherer;
 mod geodetic;
-mod local_plane;
-mod packets;
 mod python;
-mod receptions;
 mod robot_log;
 mod round_trip;
 pub(crate) mod sample;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use sextant_channel::{Bounds, Position};
+use sextant_mapper::convex_hull;
 use sextant_recording::Solid;
 
 use super::view::{Panel, View};
@@ -12,7 +13,7 @@ use crate::paint::picture::{Picture, Stroke};
 /// The outline of an obstacle.
 pub(crate) const RIM: Stroke = Stroke::new(OBSTACLE_RIM, 1.0);
 
-type Corner = (f64, f64);
+type Corner = [f64; 2];
 
 /// Draws the obstacles. Of a sheet that is seen from its flat side, such as the floor of a storey from above, the outline alone is drawn:
 /// filled, it would hide what is behind it.
@@ -37,7 +38,7 @@ fn is_sheet(solid: &Solid, view: View) -> bool {
 
 /// Draws the outlines of the obstacles within the frame.
 pub(crate) fn draw_rims(picture: &mut Picture, panel: &Panel, solids: &[Solid], stroke: Stroke) {
-    let at = |corner: &Corner| panel.axes.at(corner.0, corner.1);
+    let at = |corner: &Corner| panel.axes.at(corner[0], corner[1]);
     for solid in solids {
         match Silhouette::of(solid, panel.view) {
             Silhouette::Convex(hull) => {
@@ -63,10 +64,10 @@ enum Silhouette {
 
 impl Silhouette {
     fn of(solid: &Solid, view: View) -> Self {
-        let corners: Vec<Corner> = solid.vertices.iter().map(|&vertex| view.project(vertex)).collect();
+        let corners: Vec<Corner> = solid.vertices.iter().map(|&vertex| view.project(vertex).into()).collect();
         let triangles: Vec<[Corner; 3]> =
             solid.triangles.iter().map(|triangle| triangle.map(|i| corners[i as usize])).collect();
-        let hull = hull(corners.clone());
+        let hull = convex_hull(corners.clone());
         // If the obstacle is convex, the area of the faces towards the viewer equals that of the hull.
         let facing: f64 = triangles.iter().map(|triangle| area(triangle).max(0.0)).sum();
         let whole: f64 = (1..hull.len().saturating_sub(1)).map(|i| area(&[hull[0], hull[i], hull[i + 1]])).sum();
@@ -87,7 +88,7 @@ impl Silhouette {
     }
 
     fn draw(&self, picture: &mut Picture, panel: &Panel) {
-        let at = |corner: &Corner| panel.axes.at(corner.0, corner.1);
+        let at = |corner: &Corner| panel.axes.at(corner[0], corner[1]);
         match self {
             Self::Convex(hull) => {
                 picture.polygon(hull.iter().map(at).collect(), OBSTACLE);
@@ -108,34 +109,7 @@ impl Silhouette {
 
 /// The area of a triangle, positive if it is counterclockwise.
 fn area([a, b, c]: &[Corner; 3]) -> f64 {
-    ((b.0 - a.0) * (c.1 - a.1) - (c.0 - a.0) * (b.1 - a.1)) / 2.0
-}
-
-/// The convex hull, counterclockwise (Andrew, 1979: the monotone chain).
-fn hull(mut corners: Vec<Corner>) -> Vec<Corner> {
-    corners.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    corners.dedup();
-    if corners.len() < 3 {
-        return corners;
-    }
-    let mut chain = half_hull(corners.iter());
-    chain.extend(half_hull(corners.iter().rev()));
-    chain
-}
-
-/// One side of the hull, without its last corner.
-fn half_hull<'a>(corners: impl Iterator<Item = &'a Corner>) -> Vec<Corner> {
-    let mut chain: Vec<Corner> = Vec::new();
-    for &corner in corners {
-        while let [.., a, b] = chain[..]
-            && area(&[a, b, corner]) <= 0.0
-        {
-            chain.pop();
-        }
-        chain.push(corner);
-    }
-    chain.pop();
-    chain
+    ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) / 2.0
 }
 
 #[cfg(test)]
@@ -164,8 +138,8 @@ mod tests {
         .unwrap();
         let solid = Solid::of(&Obstacle::try_from(config).unwrap(), 0);
         for (view, expected) in [
-            (View::Top, [(0.0, 0.0), (2.0, 0.0), (2.0, 4.0), (0.0, 4.0)]),
-            (View::Side, [(0.0, -3.0), (2.0, -3.0), (2.0, 3.0), (0.0, 3.0)]),
+            (View::Top, [[0.0, 0.0], [2.0, 0.0], [2.0, 4.0], [0.0, 4.0]]),
+            (View::Side, [[0.0, -3.0], [2.0, -3.0], [2.0, 3.0], [0.0, 3.0]]),
         ] {
             assert_eq!(Silhouette::of(&solid, view), Silhouette::Convex(expected.into()));
         }
@@ -178,21 +152,8 @@ mod tests {
         let Silhouette::Pieces { rim, .. } = Silhouette::of(&solid, View::Top) else {
             panic!("it is not convex");
         };
-        let length: f64 = rim.iter().map(|[a, b]| (a.0 - b.0).hypot(a.1 - b.1)).sum();
+        let length: f64 = rim.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
         assert_eq!(rim.len(), 6);
         assert!((length - 8.0).abs() < 1e-12, "{length}");
-    }
-
-    #[test]
-    fn a_hull_omits_points_inside_or_on_a_side() {
-        let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-        let mut corners = square.to_vec();
-        corners.extend([(0.5, 0.0), (0.5, 0.5), (1.0, 0.0)]);
-        assert_eq!(hull(corners), square);
-    }
-
-    #[test]
-    fn the_hull_of_points_on_a_line_is_a_line() {
-        assert_eq!(hull(vec![(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]), [(0.0, 0.0), (2.0, 2.0)]);
     }
 }

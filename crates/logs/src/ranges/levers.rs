@@ -101,12 +101,6 @@ impl Levers {
         let (antenna, place) = self.tags.of(row, tag)?;
         let heading_rad = self.headings.at(robot, time);
         let heading_rad = heading_rad.ok_or_else(|| row.wrong(tag, "a tag on a robot with headings on its path"))?;
-        Ok(Mounting { antenna, arm: turned(place, heading_rad) })
+        Ok(Mounting { antenna, arm: place.turned(heading_rad) })
     }
-}
-
-/// An arm of a robot that is turned (rad, counterclockwise), in the frame of its path.
-pub(crate) fn turned(arm: Position, heading_rad: f64) -> Position {
-    let (sin, cos) = libm::sincos(heading_rad);
-    Position::new(cos * arm.x_m - sin * arm.y_m, sin * arm.x_m + cos * arm.y_m, arm.z_m)
 }

@@ -1,17 +1,16 @@
 //! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
 
-use sextant_channel::Anchor;
 use sextant_kernel::{SettingError, Watch};
 
-use super::graph::{Graph, UNREACHED};
-use super::{check_link_share, default_link_share, node_by_node};
+use super::anchor_hops::{AnchorHops, HopLength};
+use super::graph::UNREACHED;
+use super::{check_link_share, default_link_share};
 use crate::comparators::Comparator;
 use crate::comparators::lateration::{Range, multilaterate};
 use crate::error::MapError;
 use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::numerics::memory::check_table;
-use crate::topology_map::{CoordinateFrame, TopologyMap};
+use crate::topology_map::TopologyMap;
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,18 +21,6 @@ pub struct DvHopConfig {
     pub hop_length: HopLength,
     /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,
-}
-
-/// How an anchor computes the length of a hop from its distances and hops to the other anchors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "config", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum HopLength {
-    /// Sum of the distances divided by the sum of the hops.
-    #[default]
-    Mean,
-    /// Least squares: the sum of distance times hops, divided by the sum of squared hops.
-    LeastSquares,
 }
 
 impl Default for DvHopConfig {
@@ -77,55 +64,20 @@ impl Comparator for DvHop {
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
     /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
     fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
-        let dimensions = knowledge.dimensions();
-        let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
-        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
-        let nodes = graph.node_count();
-        let what = || format!("the hops of {nodes} nodes to {} anchors", anchors.len());
-        check_table(Self::NAME, what, [nodes, anchors.len()], 4)?;
-        let from = anchors.iter().map(|anchor| anchor.node.index());
-        let hops = graph.hops_from_each(from, Self::NAME, watch)?;
-        let lengths_m: Vec<Option<f64>> = hops
-            .iter()
-            .zip(anchors)
-            .map(|(hops, anchor)| hop_length_m(self.hop_length, anchor, hops, anchors))
-            .collect();
-        let known = knowledge.known_places();
+        let field = AnchorHops::of(Self::NAME, knowledge, self.link_share, self.hop_length, watch)?;
+        let AnchorHops { anchors, hops, lengths_m, dimensions, .. } = &field;
         let place = |node: usize| {
-            known[node].or_else(|| {
-                let reached = || (0..anchors.len()).filter(|&anchor| hops[anchor][node] != UNREACHED);
-                let nearest =
-                    reached().filter(|&a| lengths_m[a].is_some()).min_by_key(|&anchor| hops[anchor][node])?;
-                let length_m = lengths_m[nearest]?;
-                let range = |a: usize| Range::new(anchors[a].position, length_m * f64::from(hops[a][node]));
-                multilaterate(&reached().map(range).collect::<Vec<_>>(), dimensions).ok()
-            })
+            let reached = || (0..anchors.len()).filter(|&anchor| hops[anchor][node] != UNREACHED);
+            let nearest = reached().filter(|&a| lengths_m[a].is_some()).min_by_key(|&anchor| hops[anchor][node])?;
+            let length_m = lengths_m[nearest]?;
+            let range = |a: usize| Range::new(anchors[a].position, length_m * f64::from(hops[a][node]));
+            multilaterate(&reached().map(range).collect::<Vec<_>>(), *dimensions).ok()
         };
         // The refinement takes up to a hundred steps over all anchors.
         #[expect(clippy::cast_precision_loss, reason = "a number of anchors")]
         let operations = 100.0 * anchors.len() as f64;
-        let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
-        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
+        field.map(Self::NAME, knowledge, operations, watch, place)
     }
-}
-
-/// Length of a hop as computed by `anchor`, from which `hops` are counted (m); `None` if it reaches no other anchor.
-pub(super) fn hop_length_m(rule: HopLength, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
-    let (mut above, mut below) = (0.0, 0.0);
-    for other in anchors.iter().filter(|other| other.node != anchor.node) {
-        let count = hops[other.node.index()];
-        if count == UNREACHED {
-            continue;
-        }
-        let (distance_m, count) = (anchor.position.distance_m(other.position), f64::from(count));
-        let weight = match rule {
-            HopLength::Mean => 1.0,
-            HopLength::LeastSquares => count,
-        };
-        above += weight * distance_m;
-        below += weight * count;
-    }
-    (below > 0.0).then(|| above / below)
 }
 
 impl EstimatorSettings for DvHopConfig {

@@ -1,5 +1,6 @@
 //! Well-known algorithms for comparison. Each uses only the knowledge that it states.
 
+mod anchor_hops;
 mod apit;
 mod arrival;
 mod centroid;
@@ -30,6 +31,7 @@ use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use crate::knowledge::Knowledge;
 
+pub use anchor_hops::HopLength;
 pub use apit::{Apit, ApitConfig};
 pub use arrival::{
     AngleOfArrival, AngleOfArrivalConfig, TimeDifference, TimeDifferenceConfig, TimeOfArrival, TimeOfArrivalConfig,
@@ -37,7 +39,7 @@ pub use arrival::{
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
 pub use comparator::Comparator;
 pub use dr_mds::{DrMds, DrMdsConfig};
-pub use dv_hop::{DvHop, DvHopConfig, HopLength};
+pub use dv_hop::{DvHop, DvHopConfig};
 pub use frame::FrameConfig;
 pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
 pub use mds_map::{MdsMap, MdsMapConfig};

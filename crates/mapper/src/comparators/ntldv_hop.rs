@@ -1,19 +1,18 @@
 //! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
 
-use sextant_channel::{Anchor, Position};
+use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
-use super::dv_hop::{HopLength, hop_length_m};
-use super::graph::{Graph, UNREACHED};
+use super::anchor_hops::{AnchorHops, HopLength};
+use super::graph::UNREACHED;
 use super::upright_anchors::{ReachedAnchor, sort_nearest_first, upright};
-use super::{check_link_share, default_link_share, node_by_node};
+use super::{check_link_share, default_link_share};
 use crate::comparators::Comparator;
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
 use crate::error::MapError;
 use crate::estimator::{EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
-use crate::numerics::memory::check_table;
-use crate::topology_map::{CoordinateFrame, TopologyMap};
+use crate::topology_map::TopologyMap;
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,16 +85,6 @@ impl TryFrom<NtldvHopConfig> for NtldvHop {
     }
 }
 
-/// What a node needs to know.
-struct Field<'a> {
-    anchors: &'a [Anchor],
-    /// Hops of all nodes from each anchor.
-    hops: Vec<Vec<u32>>,
-    /// Length of a hop by each anchor (m).
-    lengths_m: Vec<Option<f64>>,
-    dimensions: usize,
-}
-
 impl Comparator for NtldvHop {
     const NAME: &'static str = "ntldv-hop";
 
@@ -113,31 +102,15 @@ impl Comparator for NtldvHop {
     /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
     /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
     fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
-        let dimensions = knowledge.dimensions();
-        let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
-        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.config.link_share);
-        let nodes = graph.node_count();
-        let what = || format!("the hops of {nodes} nodes to {} anchors", anchors.len());
-        check_table(Self::NAME, what, [nodes, anchors.len()], 4)?;
-        let from = anchors.iter().map(|anchor| anchor.node.index());
-        let hops = graph.hops_from_each(from, Self::NAME, watch)?;
-        let lengths_m = hops
-            .iter()
-            .zip(anchors)
-            .map(|(hops, anchor)| hop_length_m(self.config.hop_length, anchor, hops, anchors));
-        let lengths_m = lengths_m.collect();
-        let field = Field { anchors, hops, lengths_m, dimensions };
-        let known = knowledge.known_places();
+        let field = AnchorHops::of(Self::NAME, knowledge, self.config.link_share, self.config.hop_length, watch)?;
         #[expect(clippy::cast_precision_loss, reason = "a number of anchors")]
-        let operations = 100.0 * anchors.len() as f64 + 500.0;
-        let place = |node: usize| known[node].or_else(|| self.place(&field, node));
-        let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
-        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
+        let operations = 100.0 * field.anchors.len() as f64 + 500.0;
+        field.map(Self::NAME, knowledge, operations, watch, |node| self.place(&field, node))
     }
 }
 
 impl NtldvHop {
-    fn place(&self, field: &Field<'_>, node: usize) -> Option<Position> {
+    fn place(&self, field: &AnchorHops<'_>, node: usize) -> Option<Position> {
         let reached = (0..field.anchors.len()).filter(|&anchor| field.hops[anchor][node] != UNREACHED);
         let reach = |anchor: usize| ReachedAnchor {
             anchor,
@@ -163,7 +136,7 @@ impl NtldvHop {
     }
 
     /// The length of a hop for a node that reaches these anchors, the nearest one first (m).
-    fn hop_length_m(&self, field: &Field<'_>, reached: &[ReachedAnchor]) -> Option<f64> {
+    fn hop_length_m(&self, field: &AnchorHops<'_>, reached: &[ReachedAnchor]) -> Option<f64> {
         let known = || reached.iter().filter_map(|of| Some((f64::from(of.hops), field.lengths_m[of.anchor]?)));
         if !self.config.mean_hop_length {
             return known().next().map(|(_, length_m)| length_m);
@@ -175,7 +148,7 @@ impl NtldvHop {
 }
 
 /// The nearest place in the box of all anchors, widened by `margin_m`.
-fn clamped(place: Position, field: &Field<'_>, margin_m: f64) -> Position {
+fn clamped(place: Position, field: &AnchorHops<'_>, margin_m: f64) -> Position {
     let place: [f64; 3] = place.into();
     let along = |axis: usize| field.anchors.iter().map(move |anchor| <[f64; 3]>::from(anchor.position)[axis]);
     [0, 1, 2]

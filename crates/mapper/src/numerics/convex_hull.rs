@@ -30,3 +30,21 @@ pub fn hull(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 pub(crate) fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hull_omits_points_inside_or_on_a_side() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut corners = square.to_vec();
+        corners.extend([[0.5, 0.0], [0.5, 0.5], [1.0, 0.0]]);
+        assert_eq!(hull(corners), square);
+    }
+
+    #[test]
+    fn the_hull_of_points_on_a_line_is_a_line() {
+        assert_eq!(hull(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]), [[0.0, 0.0], [2.0, 2.0]]);
+    }
+}

@@ -150,15 +150,6 @@ impl RssGrid {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "rss-grid";
 
-    /// The kinds of knowledge that it uses.
-    #[must_use]
-    pub fn uses(&self) -> &'static [KnowledgeKind] {
-        match self.channel {
-            Channel::Known { .. } => &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss],
-            Channel::Fitted(_) => &[KnowledgeKind::RobotRssi],
-        }
-    }
-
     /// The map, computed on the current rayon pool. The result is bit-identical for any number of threads. Nodes that
     /// were never heard with a strength are not placed.
     ///
@@ -365,7 +356,10 @@ impl Estimator for RssGrid {
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {
-        self.uses()
+        match self.channel {
+            Channel::Known { .. } => &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss],
+            Channel::Fitted(_) => &[KnowledgeKind::RobotRssi],
+        }
     }
 
     fn messages(&self) -> Messages {

@@ -123,15 +123,6 @@ impl SelfCalibrated {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "self-calibrated";
 
-    /// The kinds of knowledge that it uses.
-    #[must_use]
-    pub fn uses(&self) -> &'static [KnowledgeKind] {
-        match self.settings.obstacles {
-            ObstacleKnowledge::None | ObstacleKnowledge::FromReceptions => &[KnowledgeKind::RobotReceptions],
-            ObstacleKnowledge::FromLog => &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotPath],
-        }
-    }
-
     /// The map of the nodes in `log`, with a covariance for each node, and what else was estimated (`None` if nothing
     /// was heard), computed on the current rayon pool. The result is bit-identical for any number of threads. Nodes
     /// that were never heard are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in
@@ -259,7 +250,10 @@ impl Estimator for SelfCalibrated {
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {
-        self.uses()
+        match self.settings.obstacles {
+            ObstacleKnowledge::None | ObstacleKnowledge::FromReceptions => &[KnowledgeKind::RobotReceptions],
+            ObstacleKnowledge::FromLog => &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotPath],
+        }
     }
 
     fn estimate(

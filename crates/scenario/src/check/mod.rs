@@ -5,21 +5,20 @@ pub(crate) mod maps;
 pub(crate) mod missions;
 pub(crate) mod networks;
 pub(crate) mod plausible;
+mod purpose;
+mod recording;
 pub(crate) mod robots;
 mod routing;
 mod sinks;
+mod world;
 
 use std::time::Duration;
 
 use sextant_apps::distributed::MappingNode;
 use sextant_apps::routing::Routing;
-use sextant_channel::{Anchor, Bounds};
-use sextant_kernel::text::counted;
+use sextant_channel::Anchor;
 use sextant_kernel::{Files, Seed, SettingError};
-use sextant_sim::{
-    Batteries, Discovery, Interferer, LeftOut, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation,
-    World,
-};
+use sextant_sim::{Discovery, LeftOut, RobotBody, RoleConfig, Sensors, Setup, SimulatedRegion, Simulation, World};
 
 use super::config::ScenarioConfig;
 use errors::Errors;
@@ -29,10 +28,13 @@ use missions::planned::{PlannedMission, Surroundings, check_missions};
 use networks::Networks;
 use networks::surveyed::PacketsPerStop;
 use networks::tables::{ForeignChip, IncompleteChip, Named};
+use purpose::{check_duration, check_purpose, check_warm_up};
+use recording::{check_recorded_nodes, check_recording};
 use robots::team;
 use robots::{Robots, check_robots, check_target_names};
 use routing::check_routing;
 use sinks::check_sinks;
+use world::{check_anchors, check_battery, check_interferers, check_motions};
 
 /// The validated settings. They are built once, because planning the paths of robots takes a while.
 #[derive(Clone)]
@@ -158,144 +160,4 @@ impl Parts {
         errors.take("", simulation);
         errors.take("simulation", self.region.halo_m(self.setup.reach()));
     }
-}
-
-/// The batteries of the nodes, if there are any.
-fn check_battery(config: &ScenarioConfig, world: &World, errors: &mut Errors) -> Option<Batteries> {
-    let battery = config.battery.as_ref()?;
-    for (is_there, with) in [
-        (!config.applications.is_empty(), "`applications`"),
-        (config.distributed_mapping.is_some(), "`distributed_mapping`"),
-    ] {
-        if is_there {
-            let remedy = "remove one of the two: batteries are those of nodes that send their traffic";
-            errors.refuse(&SettingError::conflict("battery", with, remedy));
-        }
-    }
-    errors.take("battery", battery.build(&world.nodes, Seed(config.seed)))
-}
-
-/// When the simulation ends, if not with the survey.
-fn check_duration(config: &ScenarioConfig, errors: &mut Errors) -> Option<Duration> {
-    let duration = config.duration_s.and_then(|duration_s| {
-        let checked = SettingError::in_range("duration_s", duration_s, 1e-6, 1e7).map(Duration::from_secs_f64);
-        errors.take("", checked)
-    });
-    // Without a survey, maps need no more than the names of the nodes.
-    let nothing_happens = !config.has_traffic() && config.distributed_mapping.is_none();
-    if nothing_happens { Some(Duration::ZERO) } else { duration }
-}
-
-/// Refuses scenarios in which nothing happens, or packets that are for nobody.
-fn check_purpose(config: &ScenarioConfig, networks: &Networks<'_>, errors: &mut Errors) {
-    if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
-        let needed = "at least one robot, or `duration_s` to end a simulation without robots";
-        errors.refuse(&SettingError::missing("robots", needed));
-    }
-    // Neither a map in the nodes nor what they sense needs a receiver, and nodes with programs receive themselves.
-    let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);
-    let senses = !config.world.targets.is_empty() || !config.world.fields.is_empty();
-    let is_for_nobody =
-        config.sinks.is_empty() && !surveys && config.distributed_mapping.is_none() && !networks.have_programs();
-    if config.duration_s.is_some() && is_for_nobody && !senses && config.applications.is_empty() {
-        let needed = "at least one sink in `[[sinks]]`, or a robot that surveys, to receive the packets";
-        errors.refuse(&SettingError::missing("sinks", needed));
-    }
-}
-
-/// Refuses nodes that move beside what takes all nodes to stand.
-fn check_motions(config: &ScenarioConfig, errors: &mut Errors) {
-    if config.world.motions.is_empty() {
-        return;
-    }
-    let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);
-    for (is_there, with) in [
-        (surveys, "a robot that surveys"),
-        (!config.maps.is_empty(), "`maps`"),
-        (config.distributed_mapping.is_some(), "`distributed_mapping`"),
-        (!config.applications.is_empty(), "`applications`"),
-        (!config.world.targets.is_empty(), "`world.targets`"),
-        (!config.world.fields.is_empty(), "`world.fields`"),
-    ] {
-        if is_there {
-            let remedy = "remove one of the two: nodes that move send to sinks, and all else takes nodes to stand";
-            errors.refuse(&SettingError::conflict("world.motions", with, remedy));
-        }
-    }
-}
-
-/// What is recorded, but for the nodes that it names.
-fn check_recording(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors) {
-    if let Some(snapshots) = &config.recording.fields {
-        let places = world.iter().flat_map(|world| &world.nodes).map(|node| node.position);
-        errors.take("recording.fields", snapshots.check(Bounds::of(places)));
-    }
-    errors.take("recording", config.recording.check());
-    errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
-}
-
-/// Refuses names in `recording.likelihood` that no node has.
-fn check_recorded_nodes(config: &ScenarioConfig, world: &World, errors: &mut Errors) {
-    for (i, name) in config.recording.likelihood.iter().enumerate() {
-        if !world.nodes.iter().any(|node| node.name == *name) {
-            let key = format!("recording.likelihood[{i}]");
-            errors.refuse(&SettingError::new(key, format!("`{name}`"), "the name of a node"));
-        }
-    }
-}
-
-/// The sources of noise, with unique names.
-fn check_interferers(config: &ScenarioConfig, errors: &mut Errors) -> Vec<Interferer> {
-    let mut interferers: Vec<Interferer> = Vec::new();
-    for (i, interferer) in config.interferers.iter().enumerate() {
-        let table = format!("interferers[{i}]");
-        let Some(interferer) = errors.take(&table, interferer.build(i, Seed(config.seed))) else { continue };
-        if interferers.iter().any(|other| other.name() == interferer.name()) {
-            let found = format!("`{}`, as of another interferer", interferer.name());
-            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
-        }
-        interferers.push(interferer);
-    }
-    interferers
-}
-
-/// What is left out of the counts at the start.
-fn check_warm_up(config: &ScenarioConfig, networks: &Networks<'_>, errors: &mut Errors) -> Duration {
-    let Some(warm_up_s) = config.warm_up_s else { return Duration::ZERO };
-    let checked = match config.duration_s {
-        None => {
-            let remedy = "set `duration_s` or remove it, because a survey counts from its start";
-            Err(SettingError::conflict("warm_up_s", "a scenario without `duration_s`", remedy))
-        }
-        Some(_) if networks.sweep_sectors() => {
-            Err(SettingError::conflict("warm_up_s", "`mac.sector_sweep`", "remove it, because all sweeps count"))
-        }
-        Some(duration_s) if !(warm_up_s >= 0.0 && warm_up_s < duration_s) => {
-            Err(SettingError::new("warm_up_s", warm_up_s, format!("0 to less than `duration_s`, {duration_s}")))
-        }
-        Some(_) => Ok(Duration::from_secs_f64(warm_up_s)),
-    };
-    errors.take("", checked).unwrap_or_default()
-}
-
-/// The nodes that know their position; checks that there are enough for each of `maps`.
-fn check_anchors(
-    config: &ScenarioConfig,
-    world: &World,
-    maps: &[MapJob],
-    errors: &mut Errors,
-) -> Option<Vec<Anchor>> {
-    let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, &world.obstacles, Seed(config.seed)))?;
-    let first = anchors.first().map_or(0.0, |anchor| anchor.position.z_m);
-    let is_planar = anchors.iter().all(|anchor| (anchor.position.z_m - first).abs() <= 1e-9);
-    let needed = |map: &MapJob| map.mapper.least_anchors(if is_planar { 2 } else { 3 });
-    let lacking: Vec<&MapJob> = maps.iter().filter(|map| anchors.len() < needed(map)).collect();
-    if let Some(most) = lacking.iter().map(|map| needed(map)).max() {
-        let found = format!("{} of the {}", anchors.len(), counted(world.nodes.len(), "node"));
-        let names: Vec<String> = lacking.iter().map(|map| format!("`{}`", map.name)).collect();
-        let maps = if names.len() == 1 { "map" } else { "maps" };
-        let allowed = format!("at least {most}, for the {maps} {}", names.join(", "));
-        errors.refuse(&SettingError::new("anchors", found, allowed));
-    }
-    errors.take("faults", config.faults.believed(&anchors, &world.nodes, Seed(config.seed)))
 }

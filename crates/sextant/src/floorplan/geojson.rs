@@ -56,15 +56,11 @@ fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
         let text_of = |key: &str| properties[key].as_str().map(str::to_owned);
         let wall = WallConfig {
             name: text_of("name"),
-            points_m: points.iter().map(|point| point.map(to_mm)).collect(),
             thickness_m: number_of("thickness_m", options.thickness_m),
             bottom_m: number_of("bottom_m", 0.0),
             height_m: number_of("height_m", options.height_m),
             material: Some(text_of("material").unwrap_or_else(|| options.material.clone())),
-            absorption_per_m: None,
-            loss_db: None,
-            reflection_loss_db: None,
-            openings: Vec::new(),
+            ..options.wall(points.iter().map(|point| point.map(to_mm)).collect())
         };
         match wall.obstacles(0) {
             _ if plan.add_pillar(&wall, options) => {}

@@ -1,5 +1,7 @@
 //! Lines of few corners.
 
+use sextant_channel::nearest_on_line;
+
 /// A place in cells.
 pub(super) type Cell = [f64; 2];
 
@@ -24,7 +26,7 @@ pub(super) fn simplified(line: &[Cell], tolerance: f64) -> Vec<Cell> {
     let mut open = vec![(0, line.len() - 1)];
     while let Some((from, to)) = open.pop() {
         let between = from + 1..to;
-        let off = |at: &usize| from_segment(line[*at], line[from], line[to]);
+        let off = |at: &usize| nearest_on_line(line[*at], line[from], line[to]).1;
         if let Some(worst) = between.max_by(|a, b| off(a).total_cmp(&off(b)))
             && off(&worst) > tolerance
         {
@@ -33,16 +35,6 @@ pub(super) fn simplified(line: &[Cell], tolerance: f64) -> Vec<Cell> {
         }
     }
     line.iter().zip(kept).filter(|(_, is_kept)| *is_kept).map(|(&place, _)| place).collect()
-}
-
-/// Distance of a place from a segment.
-fn from_segment(place: Cell, from: Cell, to: Cell) -> f64 {
-    let way = [to[0] - from[0], to[1] - from[1]];
-    let square = way[0] * way[0] + way[1] * way[1];
-    let share =
-        if square > 0.0 { ((place[0] - from[0]) * way[0] + (place[1] - from[1]) * way[1]) / square } else { 0.0 };
-    let share = share.clamp(0.0, 1.0);
-    distance(place, [from[0] + share * way[0], from[1] + share * way[1]])
 }
 
 /// The line with parts that are nearly along an axis exactly along it: off by at most `tolerance`, and much longer than that.

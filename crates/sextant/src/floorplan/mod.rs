@@ -59,6 +59,24 @@ impl Default for FloorPlanOptions {
     }
 }
 
+impl FloorPlanOptions {
+    /// A wall along these corners.
+    fn wall(&self, points_m: Vec<[f64; 2]>) -> WallConfig {
+        WallConfig {
+            name: None,
+            points_m,
+            thickness_m: self.thickness_m,
+            bottom_m: 0.0,
+            height_m: self.height_m,
+            material: Some(self.material.clone()),
+            absorption_per_m: None,
+            loss_db: None,
+            reflection_loss_db: None,
+            openings: Vec::new(),
+        }
+    }
+}
+
 /// Walls and blocks of a floor plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FloorPlan {

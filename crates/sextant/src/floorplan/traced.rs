@@ -150,18 +150,9 @@ fn made(wall: &WallLine, occupancy: &Occupancy, options: &FloorPlanOptions) -> O
         return None;
     }
     loop {
-        let config = WallConfig {
-            name: None,
-            points_m: line.iter().map(|&place| occupancy.place_m(place).map(to_mm)).collect(),
-            thickness_m: to_mm(wall.thickness * occupancy.pixel_m).max(0.001),
-            bottom_m: 0.0,
-            height_m: options.height_m,
-            material: Some(options.material.clone()),
-            absorption_per_m: None,
-            loss_db: None,
-            reflection_loss_db: None,
-            openings: Vec::new(),
-        };
+        let points_m = line.iter().map(|&place| occupancy.place_m(place).map(to_mm)).collect();
+        let thickness_m = to_mm(wall.thickness * occupancy.pixel_m).max(0.001);
+        let config = WallConfig { thickness_m, ..options.wall(points_m) };
         if config.obstacles(0).is_ok() {
             return Some((config, line));
         }

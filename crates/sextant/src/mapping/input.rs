@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::{NetworkLogs, ObstacleField, Position, ReceptionLog};
-use sextant_kernel::{Files, NodeId, Seed, Watch};
+use sextant_kernel::{Files, NodeId, Seed, SettingError, Watch};
 use sextant_mapper::{EstimatedPath, PathError, PlacePrior, estimate_path};
 
 use super::error::MapLogError;
+use crate::floorplan::{self, FloorPlanError, FloorPlanOptions};
 use crate::measure::Dimensions;
 use crate::scenario::{AlgorithmName, MapSettings, RecordedScenario, ScenarioErrors};
 use sextant_kernel::text::{counted, listed};
@@ -196,6 +197,18 @@ impl Input {
         let scenario = self.scenario.as_deref();
         let scenario = scenario.map(|text| RecordedScenario { name: &name, text, files: &self.files });
         MapSettings::new(scenario, algorithm, profile, network, set)
+    }
+
+    /// Lays the floor plan of a file under the maps, in the frame of the log. What is odd in it is noted.
+    ///
+    /// # Errors
+    /// If the plan cannot be read, or a wall is invalid.
+    pub fn lay(&mut self, plan: &Path) -> Result<(), FloorPlanError> {
+        let read = floorplan::read(plan, &FloorPlanOptions::default())?;
+        let wrong = |why: SettingError| FloorPlanError::Content { path: plan.to_owned(), problem: why.to_string() };
+        self.floor = Some(read.obstacles().map_err(wrong)?);
+        self.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
+        Ok(())
     }
 
     /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.

@@ -13,7 +13,7 @@ use sextant_kernel::text::counted;
 use sextant_kernel::{RobotId, Watch};
 use sextant_logs::LocalPlane;
 use sextant_mapper::{Area, Outlook};
-use sextant_scenario::MapSettings;
+use sextant_scenario::{AlgorithmName, MapSettings, ScenarioErrors};
 
 use sextant_apps::next_stops::{Ground, PlanEnd, StopBudget, Terrain, plan};
 
@@ -59,6 +59,21 @@ const FAR_APART: f64 = 0.25;
 const MOST_OPEN: f64 = 400.0;
 /// The golden ratio less 1: its multiples, without their whole parts, are spread evenly over 0 to 1.
 const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// The map from which it is told, by `algorithm` or by the usual one of a log ([`AlgorithmName::usual`]), whatever maps the scenario
+/// of the log has.
+///
+/// # Errors
+/// All errors found.
+pub fn map_settings(
+    input: &Input,
+    algorithm: Option<AlgorithmName>,
+    profile: Option<&str>,
+    network: Option<&str>,
+) -> Result<MapSettings, ScenarioErrors> {
+    let algorithm = algorithm.unwrap_or_else(|| AlgorithmName::usual(profile));
+    input.map_settings(Some(algorithm), profile, network, &[])
+}
 
 /// Maps the log of `input` by the first map of `settings`, and says where to listen next. A floor plan of `input` is kept to.
 ///

@@ -26,7 +26,7 @@ pub(super) struct CountedPacket {
 }
 
 /// The ledger of a network, whatever its technology.
-pub(super) struct Ledger {
+pub(crate) struct Ledger {
     /// What became of the packets of each station.
     pub(super) packets: Vec<Packets>,
     /// Octets of the frames of each station that were offered.
@@ -82,6 +82,15 @@ impl Ledger {
         packets.channel_access_failures += u64::from(end == PacketEnd::ChannelAccessFailure);
         if fate == PacketFate::Sent(FrameOutcome::Received) {
             packets.octets_received += payload_octets;
+        }
+    }
+
+    /// A packet that a station was offered then is received for the first time now.
+    pub(super) fn note_reception(&mut self, station: StationId, offered: SimTime, now: SimTime) {
+        if offered >= self.counted_from
+            && let Some(delays) = self.delays.get_mut(station.index())
+        {
+            delays.add(now - offered);
         }
     }
 

@@ -6,10 +6,13 @@ use std::time::Duration;
 use sextant_kernel::{Rank, SimTime, StationId};
 
 use super::books::Books;
+use super::frame_buffer::FrameBuffer;
+use super::ledger::Ledger;
 use super::transmitter::Transmitter;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::due_frames::DueFrames;
+use crate::service::packet_trace::PacketEnd;
 use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
@@ -33,16 +36,37 @@ impl Cut {
     }
 }
 
+/// How the links of a station end.
+pub(crate) trait EndingLinks {
+    /// The station is dead: its radio is off from now on, or from the end of the frame on air, and its packets end with it.
+    fn turn_off(&mut self, station: StationId, scene: &mut Scene);
+
+    /// The packets that the station still has when it dies, or at the end, are counted and traced.
+    fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene);
+}
+
 /// What the engine asks of the links of a network, that is of the protocol stacks of all its stations.
-pub(crate) trait NetworkLinks {
+pub(crate) trait NetworkLinks: EndingLinks {
     /// An event of a station's link.
     type Event;
 
     /// Packets are traced from now on: called before the start.
     fn trace(&mut self);
 
+    /// What became of the packets of its stations.
+    fn ledger(&self) -> &Ledger;
+
+    /// The same, to change it.
+    fn ledger_mut(&mut self) -> &mut Ledger;
+
+    /// The frame that was received last.
+    fn frame(&mut self) -> &mut FrameBuffer;
+
     /// Counts and traces the packets that have not ended at the end of the simulation.
-    fn leave_pending(&mut self, scene: &mut Scene);
+    fn leave_pending(&mut self, scene: &mut Scene) {
+        let roll = scene.roll;
+        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
+    }
 
     /// The network starts to work at a station.
     fn begin(&mut self, station: StationId, scene: &mut Scene);
@@ -55,8 +79,10 @@ pub(crate) trait NetworkLinks {
         SimTime::ZERO
     }
 
-    /// Packets count that are offered from this instant on; without a definition, all count.
-    fn count_from(&mut self, _instant: SimTime) {}
+    /// Packets count that are offered from this instant on.
+    fn count_from(&mut self, instant: SimTime) {
+        self.ledger_mut().counted_from = instant;
+    }
 
     /// Energy counts from now on; without a definition, from the start.
     fn restart_meters(&mut self, _now: SimTime) {}
@@ -87,7 +113,9 @@ pub(crate) trait NetworkLinks {
     fn follow(&mut self, _station: StationId, _parent: Option<StationId>, _scene: &mut Scene) {}
 
     /// Notes which frames of a station were due, since packets are counted.
-    fn note_due(&mut self, station: StationId, due: DueFrames);
+    fn note_due(&mut self, station: StationId, due: DueFrames) {
+        self.ledger_mut().note_due(station, due);
+    }
 
     /// Whether stations sweep sectors.
     fn sweeps_sectors(&self) -> bool {
@@ -126,8 +154,11 @@ pub(crate) trait NetworkLinks {
     /// Energy that the radio of a station has used since the start, or since its meter began anew (J).
     fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64;
 
-    /// A station dies: its radio is off from now on, or from the end of the frame on air, and its packets end with it.
-    fn die(&mut self, station: StationId, scene: &mut Scene);
+    /// A station dies. It may be told again, when the frame that was on air has ended.
+    fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.ledger_mut().die(station, scene.now);
+        self.turn_off(station, scene);
+    }
 
     /// Whether an event is the end of the frame that a station has on air.
     fn ends_frame(&self, station: StationId, event: Self::Event) -> bool;
@@ -136,13 +167,20 @@ pub(crate) trait NetworkLinks {
     fn moves(&self, station: StationId, scene: &mut Scene);
 
     /// The frame that was received last, and where its payload is.
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>);
+    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        let frame = self.frame();
+        (std::mem::take(&mut frame.octets), frame.payload.clone())
+    }
 
     /// Gives the buffer of [`take_payload`](Self::take_payload) back.
-    fn give_back(&mut self, frame: Vec<u8>);
+    fn give_back(&mut self, frame: Vec<u8>) {
+        self.frame().octets = frame;
+    }
 
     /// What became of the packets of each station so far, but for those that are pending.
-    fn packets(&self) -> &[Packets];
+    fn packets(&self) -> &[Packets] {
+        &self.ledger().packets
+    }
 
     /// What the network leaves behind, by station.
     fn finish(self, now: SimTime) -> Books;

@@ -123,11 +123,6 @@ impl Technology {
         if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
     }
 
-    /// The same, to change them.
-    pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
-        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
-    }
-
     /// Whether programs command the radios.
     #[must_use]
     pub fn is_programmed(&self) -> bool {

@@ -6,14 +6,16 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::{MessageEnergy, RadioStates};
 
-use crate::air::{Arrival, ReceiverId, Transmission};
+use super::fate::Fate;
+use super::radios::Radios;
+use crate::air::Transmission;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{
     AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace,
 };
-use crate::service::report::{Destination, FrameId, Payload};
+use crate::service::report::{Destination, Payload};
 
 /// The track of the packet that a station has under way. It exists only if packets are traced.
 #[derive(Debug, Default)]
@@ -42,58 +44,6 @@ pub(super) struct Traced {
     pub(super) counts: bool,
     pub(super) end: PacketEnd,
     pub(super) fate: PacketFate,
-}
-
-/// What the traces of all packets of a station have in common.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Origin {
-    pub(super) network: NetworkId,
-    pub(super) station: StationId,
-    /// Packets that were offered earlier do not count.
-    pub(super) counted_from: SimTime,
-}
-
-/// A data packet of a station.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DataPacket {
-    pub(super) id: FrameId,
-    pub(super) sequence: u8,
-    pub(super) to: Destination,
-    pub(super) mpdu_octets: u8,
-    pub(super) offered: SimTime,
-}
-
-impl Origin {
-    /// What a trace says of a packet that ended so.
-    pub(super) fn traced(self, packet: DataPacket, end: PacketEnd, fate: PacketFate) -> Traced {
-        let Self { network, station, counted_from } = self;
-        let DataPacket { id: FrameId(number), sequence, to, mpdu_octets, offered } = packet;
-        Traced {
-            network,
-            source: station,
-            kind: PacketKind::Data,
-            number,
-            sequence: Some(sequence),
-            to,
-            octets: mpdu_octets.into(),
-            offered,
-            counts: offered >= counted_from,
-            end,
-            fate,
-        }
-    }
-}
-
-/// What became of a transmission at the receiver that counts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TransmissionEnd {
-    pub(super) outcome: FrameOutcome,
-    /// The best arrival, if any.
-    pub(super) arrival: Option<Arrival>,
-    /// The receiver of the station of `arrival`.
-    pub(super) receiver: Option<ReceiverId>,
-    /// Number of the air of the band.
-    pub(super) air: usize,
 }
 
 impl PacketTrack {
@@ -128,13 +78,19 @@ impl PacketTrack {
         }
     }
 
-    /// A transmission ends now.
-    pub(super) fn end_transmission(&mut self, transmission: &Transmission, end: TransmissionEnd, scene: &mut Scene) {
-        let TransmissionEnd { outcome, arrival, receiver, air } = end;
-        let collided_with = match (outcome, arrival, receiver) {
-            (FrameOutcome::Collided, Some(arrival), Some(receiver)) => {
-                let place = scene.place(arrival.station);
-                scene.airs[air].strongest_interferer(transmission, receiver, arrival.station, place)
+    /// A transmission, in the band of `radios`, ends now.
+    pub(super) fn end_transmission<R>(
+        &mut self,
+        transmission: &Transmission,
+        fate: Fate,
+        radios: &Radios<R>,
+        scene: &mut Scene,
+    ) {
+        let Fate { outcome, arrival } = fate;
+        let collided_with = match (outcome, arrival.map(|arrival| arrival.station)) {
+            (FrameOutcome::Collided, Some(station)) => {
+                let (receiver, place) = (radios.receiver(station), scene.place(station));
+                scene.airs[radios.air].strongest_interferer(transmission, receiver, station, place)
             }
             _ => None,
         };

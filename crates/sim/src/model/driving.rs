@@ -8,7 +8,7 @@ use super::{Model, Note};
 use crate::event::Event;
 use crate::purpose;
 use crate::service::delivery::DriveEnd;
-use crate::station::{Curve, Luck, Motion, Pose, Trip, Way, turned};
+use crate::station::{Curve, Luck, Motion, Pose, Trip, Way};
 
 /// Largest turn of a part of an arc that the observer sees (rad): 5 degrees.
 const TURN_OF_PART_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
@@ -85,7 +85,7 @@ impl Model {
         let believed = Trip { end: trip.end, ..believed };
         // The robot sees the obstacle from where it believes to be.
         let turn_rad = believed.to.heading_rad - trip.to.heading_rad;
-        let contact = believed.to.position + turned(contact - trip.to.position, turn_rad);
+        let contact = believed.to.position + (contact - trip.to.position).turned(turn_rad);
         Plan { trip, believed, contact: Some(contact) }
     }
 

@@ -12,7 +12,7 @@ mod way;
 use sextant_kernel::StationId;
 
 pub use motion::Pose;
-pub(crate) use motion::{Curve, LONGEST_S, Motion, Trip, time_of, turned};
+pub(crate) use motion::{Curve, LONGEST_S, Motion, Trip, time_of};
 pub(crate) use odometry::Luck;
 pub use odometry::{Odometry, OdometryConfig};
 pub use own_frame::{OwnFrame, OwnFrameConfig};

@@ -80,15 +80,6 @@ impl Pose {
     }
 }
 
-/// A displacement, turned counterclockwise about the vertical axis.
-pub(crate) fn turned(step: Position, turn_rad: f64) -> Position {
-    if turn_rad.abs() <= 0.0 {
-        return step;
-    }
-    let (sin, cos) = (libm::sin(turn_rad), libm::cos(turn_rad));
-    Position::new(cos * step.x_m - sin * step.y_m, sin * step.x_m + cos * step.y_m, step.z_m)
-}
-
 /// No way takes longer (s): 31 years, which no simulation lasts.
 pub(crate) const LONGEST_S: f64 = 1e9;
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
-use super::motion::{Curve, Pose, Trip, turned};
+use super::motion::{Curve, Pose, Trip};
 
 /// Shortest true way, as a share of the believed one: noise never moves a robot backwards.
 const LEAST_SHARE: f64 = 1e-3;
@@ -91,7 +91,7 @@ impl Odometry {
         let trip = if curve.turn_rad.abs() > 0.0 {
             Trip::along(curve, from, believed.start, speed_m_per_s)
         } else {
-            let step = turned(believed.to.position - believed.from.position, turn_rad) * share;
+            let step = (believed.to.position - believed.from.position).turned(turn_rad) * share;
             let straight = Trip::straight(from, from.position + step, believed.start, speed_m_per_s);
             Trip { from, to: Pose { heading_rad: from.heading_rad, ..straight.to }, ..straight }
         };

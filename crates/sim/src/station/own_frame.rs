@@ -4,8 +4,6 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
-use super::motion::turned;
-
 /// The frame of coordinates in which a robot writes its stops and contacts, as written in a scenario. A place of the world
 /// is mirrored at the x axis if `mirrored`, then turned about the origin, then shifted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -57,7 +55,7 @@ impl OwnFrame {
             return place;
         }
         let y_m = if self.mirrored { -place.y_m } else { place.y_m };
-        turned(Position { y_m, ..place }, self.turn_rad) + self.offset
+        Position { y_m, ..place }.turned(self.turn_rad) + self.offset
     }
 }
 

@@ -2,8 +2,6 @@
 
 use sextant_channel::{ObstacleField, Position};
 
-use super::motion::turned;
-
 /// The range sensors of a robot: they are where the robot really is, and measure in directions that the robot knows by
 /// its odometry.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +19,6 @@ impl RangeSensors<'_> {
     /// How far the robot could drive straight in `direction` (of any length above zero) before its hull touches an
     /// obstacle (m), at most `range_m`.
     pub(crate) fn clearance_m(&self, direction: Position, range_m: f64) -> f64 {
-        self.obstacles.clearance_m(self.place, turned(direction, self.turn_rad), range_m, self.radius_m)
+        self.obstacles.clearance_m(self.place, direction.turned(self.turn_rad), range_m, self.radius_m)
     }
 }

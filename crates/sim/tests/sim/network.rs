@@ -119,7 +119,8 @@ pub(crate) fn with(mut setup: Setup, change: impl FnOnce(&mut Network)) -> Setup
 
 /// The settings of IEEE 802.15.4 of a network.
 pub(crate) fn ieee802154(link: &mut Network) -> &mut Ieee802154 {
-    link.technology.ieee802154_mut().expect("a network of IEEE 802.15.4")
+    let Technology::Ieee802154(settings) = &mut link.technology else { panic!("a network of IEEE 802.15.4") };
+    settings
 }
 
 /// Radios at which two signals that overlap destroy each other.

@@ -1,6 +1,6 @@
 //! What a sweep keeps of each of its scenarios.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -8,7 +8,7 @@ use sextant_kernel::{LARGEST_FILE, read_at_most};
 use sha2::{Digest, Sha256};
 
 use sextant::apps::routing::TreeConfig;
-use sextant::summary::measures::Subjects;
+use sextant::summary::measures::{Feature, Subjects};
 use sextant_kernel::text::hexadecimal;
 use sextant_scenario::{
     NamedFile, ReplacedSetting, Scenario, ScenarioError, ScenarioErrors, ScenarioFile, Setting, SurveyIdentity,
@@ -73,7 +73,6 @@ fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Re
     let maps = scenario.maps().iter().map(|named| named.name.clone());
     let searches = scenario.missions().iter().filter(|application| application.goal().is_targets());
     let keep_links = scenario.missions().iter().filter(|application| application.goal().is_link());
-    let routing = scenario.config().routing.as_ref();
     Ok(CellFacts {
         survey: scenario.survey_identity(),
         seed: scenario.seed().0,
@@ -83,15 +82,7 @@ fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Re
         subjects: Subjects {
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
-            has_routing: scenario.routing().is_some(),
-            has_way_down: routing.is_some_and(|routing| !routing.to.is_sink()),
-            has_rpl: routing.is_some_and(|routing| matches!(routing.tree, TreeConfig::Rpl(_))),
-            has_fragments: routing.is_some_and(|routing| routing.fragments.is_some()),
-            has_batteries: scenario.config().battery.is_some(),
-            has_negotiated_cells: (scenario.networks().first())
-                .is_some_and(|network| network.technology.has_negotiated_cells()),
-            has_slots: scenario.networks().first().is_some_and(|network| network.technology.has_slots()),
-            has_sleep: scenario.networks().first().is_some_and(|network| network.technology.sleeping().is_some()),
+            features: features(scenario),
             applications: scenario.missions().iter().map(|application| application.name.clone()).collect(),
             searches: searches.map(|application| application.name.clone()).collect(),
             keep_links: keep_links.map(|application| application.name.clone()).collect(),
@@ -99,6 +90,23 @@ fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Re
         text: Sha256::digest(scenario.text()).into(),
         files: scenario.named_files().to_vec(),
     })
+}
+
+/// What its runs have besides maps and applications.
+fn features(scenario: &Scenario) -> BTreeSet<Feature> {
+    let routing = scenario.config().routing.as_ref();
+    let technology = scenario.networks().first().map(|network| &network.technology);
+    let has = |feature: &Feature| match feature {
+        Feature::Routing => scenario.routing().is_some(),
+        Feature::WayDown => routing.is_some_and(|routing| !routing.to.is_sink()),
+        Feature::Rpl => routing.is_some_and(|routing| matches!(routing.tree, TreeConfig::Rpl(_))),
+        Feature::Fragments => routing.is_some_and(|routing| routing.fragments.is_some()),
+        Feature::Slots => technology.is_some_and(|technology| technology.has_slots()),
+        Feature::NegotiatedCells => technology.is_some_and(|technology| technology.has_negotiated_cells()),
+        Feature::Batteries => scenario.config().battery.is_some(),
+        Feature::Sleep => technology.is_some_and(|technology| technology.sleeping().is_some()),
+    };
+    Feature::ALL.into_iter().filter(has).collect()
 }
 
 /// Hashes of the contents of files, each of which is read once.

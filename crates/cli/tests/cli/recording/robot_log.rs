@@ -9,11 +9,15 @@ use sextant_logs::{self as robot_log, ReadOptions, RobotLogError};
 use sextant_mapper::{Concern, CoordinateFrame, Estimate, TopologyMap};
 use tempfile::TempDir;
 
-use super::receptions::folder;
 use super::sample;
+use crate::program;
 
 const STOPS: &str = "stop,t_s,x_m,y_m,z_m\nA,0,0,0,0\nB,1.5,1,0,0\n";
 const RECEPTIONS: &str = "node,stop,received,sent\nlamp,A,2,5\n";
+
+fn folder(stops: &str, receptions: &str) -> TempDir {
+    program::folder(&[("stops.csv", stops), ("receptions.csv", receptions)])
+}
 
 fn read(stops: &str, receptions: &str) -> ReceptionLog {
     robot_log::read(folder(stops, receptions).path(), &ReadOptions::default()).unwrap().log

@@ -53,18 +53,8 @@ pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan,
     for (number, FloorLine { layer, points, .. }) in lines.into_iter().enumerate() {
         let points_m: Vec<[f64; 2]> = points.iter().map(|[x, y]| [to_mm(x_m + x), to_mm(y_m + y)]).collect();
         farthest_m = points_m.iter().flatten().map(|length_m| length_m.abs()).fold(farthest_m, f64::max);
-        let wall = WallConfig {
-            name: Some(layer).filter(|layer| layer != "0"),
-            points_m,
-            thickness_m: options.thickness_m,
-            bottom_m: 0.0,
-            height_m: options.height_m,
-            material: Some(options.material.clone()),
-            absorption_per_m: None,
-            loss_db: None,
-            reflection_loss_db: None,
-            openings: Vec::new(),
-        };
+        let name = Some(layer).filter(|layer| layer != "0");
+        let wall = WallConfig { name, ..options.wall(points_m) };
         match wall.obstacles(0) {
             _ if plan.add_pillar(&wall, options) => {}
             Ok(_) => plan.walls.push(wall),

@@ -2,9 +2,8 @@
 
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use super::known::{self, KnownMeasure};
+use super::subjects::{Feature, Subjects};
 use super::unit::Unit;
 
 /// A number of a run, of one of its maps or of one of its applications, by its path in the summary:
@@ -29,117 +28,6 @@ pub(super) enum Of {
     "there is no measure `{0}`; measures are for example `gathering.stops`, `maps.NAME.mapped`, `applications.NAME.time_s`"
 )]
 pub struct UnknownMeasure(String);
-
-/// What a run has numbers of.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Subjects {
-    /// Names of its maps.
-    pub maps: Vec<String>,
-    /// Names of those that nodes compute.
-    pub by_nodes: Vec<String>,
-    /// Names of its applications.
-    pub applications: Vec<String>,
-    /// Names of those that search targets.
-    pub searches: Vec<String>,
-    /// Names of those whose robots keep a link.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub keep_links: Vec<String>,
-    /// Whether packets go over several hops.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_routing: bool,
-    /// Whether they go down from a sink too.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_way_down: bool,
-    /// Whether their tree is built by RPL.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_rpl: bool,
-    /// Whether they go in fragments.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_fragments: bool,
-    /// Whether the first network has slots.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_slots: bool,
-    /// Whether its stations agree on cells.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_negotiated_cells: bool,
-    /// Whether nodes have batteries.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_batteries: bool,
-    /// Whether stations of the first network sleep between checks of the channel.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub has_sleep: bool,
-}
-
-impl Subjects {
-    /// A run that has everything, each of it by this name.
-    #[must_use]
-    pub fn every(name: &str) -> Self {
-        let names = || vec![name.to_owned()];
-        Self {
-            maps: names(),
-            by_nodes: names(),
-            applications: names(),
-            searches: names(),
-            keep_links: names(),
-            has_routing: true,
-            has_way_down: true,
-            has_rpl: true,
-            has_fragments: true,
-            has_slots: true,
-            has_negotiated_cells: true,
-            has_batteries: true,
-            has_sleep: true,
-        }
-    }
-
-    /// Adds the names of others that are new, in their order.
-    pub fn extend(&mut self, others: &Self) {
-        let Self {
-            maps,
-            by_nodes,
-            applications,
-            searches,
-            keep_links,
-            has_routing,
-            has_way_down,
-            has_rpl,
-            has_fragments,
-            has_slots,
-            has_negotiated_cells,
-            has_batteries,
-            has_sleep,
-        } = self;
-        *has_routing |= others.has_routing;
-        *has_way_down |= others.has_way_down;
-        *has_rpl |= others.has_rpl;
-        *has_fragments |= others.has_fragments;
-        *has_slots |= others.has_slots;
-        *has_negotiated_cells |= others.has_negotiated_cells;
-        *has_batteries |= others.has_batteries;
-        *has_sleep |= others.has_sleep;
-        for (list, names) in [
-            (maps, &others.maps),
-            (by_nodes, &others.by_nodes),
-            (applications, &others.applications),
-            (searches, &others.searches),
-            (keep_links, &others.keep_links),
-        ] {
-            for name in names {
-                if !list.contains(name) {
-                    list.push(name.clone());
-                }
-            }
-        }
-    }
-
-    /// Whether it has all of these others.
-    #[must_use]
-    pub fn has(&self, others: &Self) -> bool {
-        let mut all = self.clone();
-        all.extend(others);
-        all == *self
-    }
-}
 
 impl Measure {
     /// Name of its column in the table of a sweep. That of a number of a run is its path without `simulation` and
@@ -277,36 +165,12 @@ fn of_run_shortened(path: &str) -> &str {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
-    let Subjects {
-        maps,
-        by_nodes,
-        applications,
-        searches,
-        keep_links,
-        has_routing,
-        has_way_down,
-        has_rpl,
-        has_fragments,
-        has_slots,
-        has_negotiated_cells,
-        has_batteries,
-        has_sleep,
-    } = subjects;
+    let Subjects { maps, by_nodes, applications, searches, keep_links, features } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
-    let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
-    let of_cells = known::of_negotiated_cells().filter(|_| *has_negotiated_cells);
-    let of_slots = known::of_slots().filter(|_| *has_slots).chain(of_cells);
-    measures.extend(of_slots.map(|number| measure(Of::Run, number)));
-    let of_sleep = known::of_sleep().filter(|_| *has_sleep);
-    measures.extend(of_sleep.map(|number| measure(Of::Run, number)));
-    let of_way_down = known::of_way_down().filter(|_| *has_way_down);
-    let of_routing = known::of_routing().filter(|_| *has_routing).chain(of_way_down);
-    measures.extend(of_routing.map(|number| measure(Of::Run, number)));
-    let of_fragments = known::of_fragments().filter(|_| *has_fragments);
-    let of_rpl = known::of_rpl().filter(|_| *has_rpl);
-    measures.extend(of_fragments.chain(of_rpl).map(|number| measure(Of::Run, number)));
-    let of_batteries = known::of_batteries().filter(|_| *has_batteries);
-    measures.extend(of_batteries.map(|number| measure(Of::Run, number)));
+    let of_features =
+        Feature::ALL.into_iter().filter(|feature| features.contains(feature)).flat_map(known::of_feature);
+    let of_run = known::of_run(!by_nodes.is_empty()).chain(of_features);
+    let mut measures: Vec<_> = of_run.map(|number| measure(Of::Run, number)).collect();
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));
         measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));

@@ -4,8 +4,10 @@ mod derived;
 mod known;
 mod measure;
 mod numbers;
+mod subjects;
 mod unit;
 
-pub use measure::{Measure, Subjects, UnknownMeasure, all};
+pub use measure::{Measure, UnknownMeasure, all};
 pub use numbers::Numbers;
+pub use subjects::{Feature, Subjects};
 pub use unit::Unit;

@@ -7,7 +7,6 @@ mod sweeping;
 mod tracing;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::ops::Range;
 use std::time::Duration;
 
 use sextant_channel::{Dbm, Milliwatts};
@@ -23,18 +22,16 @@ use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
 use crate::link::antennas::Antennas;
 use crate::link::books::{Books, FrameSpans, RadioUse};
+use crate::link::frame_buffer::FrameBuffer;
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
-use crate::observer::{HeardFrame, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packet_trace::PacketEnd;
-use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::service::upcall::Upcall;
@@ -55,14 +52,11 @@ pub(crate) struct Links {
     ledger: Ledger,
     arrivals: Vec<Arrival>,
     changes: Vec<CarrierChange>,
-    told: Vec<HeardFrame>,
-    octets: Vec<u8>,
+    frame: FrameBuffer,
     /// Whether a broadcast was ever offered.
     has_broadcasts: bool,
     /// The payloads of the broadcasts that wait or are under way.
     payloads: Payloads,
-    /// The payload of the frame that was received last.
-    payload: Vec<u8>,
 }
 
 /// What a station has gathered by the sweep under way.
@@ -126,11 +120,9 @@ impl Links {
             ledger,
             arrivals: Vec::new(),
             changes: Vec::new(),
-            told: Vec::new(),
-            octets: Vec::with_capacity(32),
+            frame: FrameBuffer::new(),
             has_broadcasts: false,
             payloads: Payloads::default(),
-            payload: Vec::new(),
         }
     }
 
@@ -211,13 +203,20 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
-    fn trace(&mut self) {
-        self.stacks.iter_mut().for_each(|stack| stack.tracks = Some(Box::default()));
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn leave_pending(&mut self, scene: &mut Scene) {
-        let roll = scene.roll;
-        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn frame(&mut self) -> &mut FrameBuffer {
+        &mut self.frame
+    }
+
+    fn trace(&mut self) {
+        self.stacks.iter_mut().for_each(|stack| stack.tracks = Some(Box::default()));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -225,6 +224,9 @@ impl NetworkLinks for Links {
             self.transceiver(station, Role::Responder, scene).0.tune();
         }
     }
+
+    /// All sweeps and broadcasts count.
+    fn count_from(&mut self, _: SimTime) {}
 
     fn handle(&mut self, station: StationId, event: Event, scene: &mut Scene, observer: &mut impl Observer) {
         match event {
@@ -304,10 +306,6 @@ impl NetworkLinks for Links {
         self.radios.moves(station, scene);
     }
 
-    fn packets(&self) -> &[Packets] {
-        &self.ledger.packets
-    }
-
     fn finish(mut self, now: SimTime) -> Books {
         let mut radios = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
@@ -326,16 +324,6 @@ impl NetworkLinks for Links {
         true
     }
 
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        let payload = std::mem::take(&mut self.payload);
-        let all = 0..payload.len();
-        (payload, all)
-    }
-
-    fn give_back(&mut self, payload: Vec<u8>) {
-        self.payload = payload;
-    }
-
     fn offer(
         &mut self,
         station: StationId,
@@ -346,10 +334,6 @@ impl NetworkLinks for Links {
         self.take_frame(station, to, payload, scene)
     }
 
-    fn note_due(&mut self, station: StationId, due: DueFrames) {
-        self.ledger.note_due(station, due);
-    }
-
     fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
         let radio = &self.stacks[station.index()].radio;
         let mut meter = radio.meter;
@@ -357,13 +341,9 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, self.radios.power()).total_j()
     }
 
-    fn die(&mut self, station: StationId, scene: &mut Scene) {
-        self.ledger.die(station, scene.now);
-        self.turn_off(station, scene);
-    }
-
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
-        self.is_end_of_frame(station, event)
+        matches!(event, Event::InitiatorTransmitted | Event::ResponderTransmitted)
+            && self.stacks[station.index()].radio.on_air.is_some()
     }
 }
 

@@ -7,16 +7,14 @@ mod frames;
 mod quiet;
 mod receiving;
 mod sending;
-mod tracing;
 
-use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{Phy, RadioState, csma};
+use sextant_mac::{Phy, RadioState, csma, responder};
 
 use super::addressing::{first_sequence, pan};
 use super::mac::NodeMac;
@@ -28,17 +26,15 @@ use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
 use crate::link::books::{Books, FrameSpans, RadioUse};
 use crate::link::clock::Clock;
+use crate::link::frame_buffer::FrameBuffer;
 use crate::link::ledger::Ledger;
 use crate::link::links::{Cut, NetworkLinks};
 use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
-use crate::observer::{HeardFrame, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::due_frames::DueFrames;
-use crate::service::packet_trace::PacketEnd;
-use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::StationKind;
@@ -81,9 +77,7 @@ pub(crate) struct Links {
     payloads: Payloads,
     ledger: Ledger,
     arrivals: Vec<Arrival>,
-    told: Vec<HeardFrame>,
-    mpdu: Vec<u8>,
-    payload: Range<usize>,
+    frame: FrameBuffer,
 }
 
 impl Links {
@@ -131,9 +125,7 @@ impl Links {
             payloads: Payloads::default(),
             ledger,
             arrivals: Vec::new(),
-            told: Vec::new(),
-            mpdu: Vec::with_capacity(127),
-            payload: 0..0,
+            frame: FrameBuffer::new(),
         }
     }
 
@@ -168,13 +160,20 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
-    fn trace(&mut self) {
-        self.stacks.iter_mut().for_each(|stack| stack.track = Some(Box::default()));
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn leave_pending(&mut self, scene: &mut Scene) {
-        let roll = scene.roll;
-        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn frame(&mut self) -> &mut FrameBuffer {
+        &mut self.frame
+    }
+
+    fn trace(&mut self) {
+        self.stacks.iter_mut().for_each(|stack| stack.track = Some(Box::default()));
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
@@ -190,10 +189,6 @@ impl NetworkLinks for Links {
         let roll = scene.roll;
         let last = roll.stations().map(|station| self.catch_up_station(station, cut, scene)).max();
         last.unwrap_or(SimTime::ZERO)
-    }
-
-    fn count_from(&mut self, instant: SimTime) {
-        self.ledger.counted_from = instant;
     }
 
     fn restart_meters(&mut self, now: SimTime) {
@@ -243,18 +238,6 @@ impl NetworkLinks for Links {
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
         self.radios.moves(station, scene);
-    }
-
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        (std::mem::take(&mut self.mpdu), self.payload.clone())
-    }
-
-    fn give_back(&mut self, mpdu: Vec<u8>) {
-        self.mpdu = mpdu;
-    }
-
-    fn packets(&self) -> &[Packets] {
-        &self.ledger.packets
     }
 
     fn finish(mut self, now: SimTime) -> Books {
@@ -307,10 +290,6 @@ impl NetworkLinks for Links {
         is_there.then_some(Transmitter { air: self.radios.air, radio, tx_power: stack.tx_power, sectors: None })
     }
 
-    fn note_due(&mut self, station: StationId, due: DueFrames) {
-        self.ledger.note_due(station, due);
-    }
-
     fn metered_j(&mut self, station: StationId, scene: &mut Scene) -> f64 {
         if !self.ledger.has(station) {
             return 0.0;
@@ -322,12 +301,12 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
     }
 
-    fn die(&mut self, station: StationId, scene: &mut Scene) {
-        self.ledger.die(station, scene.now);
-        self.turn_off(station, scene);
-    }
-
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
-        self.is_end_of_frame(station, event)
+        let stack = &self.stacks[station.index()];
+        match event {
+            Event::Csma(csma::Event::TransmissionEnded) => stack.transmission.is_some(),
+            Event::Responder(responder::Event::TransmissionEnded) => stack.acknowledgement.is_some(),
+            _ => false,
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! IEEE 802.15.4: all that knows this technology.
 
 mod addressing;
+mod data_packet;
 mod frame_queue;
 mod links;
 mod mac;
@@ -12,6 +13,7 @@ mod stack;
 mod transceiver;
 
 pub(super) use addressing::{check_frame, first_sequence, header, offered_octets, pan};
+pub(super) use data_packet::{DataPacket, EndedPacket, Origin};
 pub(super) use links::Links;
 pub use mac::Mac;
 pub(super) use radio::Levels;

@@ -1,10 +1,10 @@
 //! A network whose programs command the radios: the radios of all its stations.
 
+mod dying;
 mod packets;
 mod receiving;
 mod sending;
 
-use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{NodeId, SimTime, StationId};
@@ -17,6 +17,7 @@ use crate::air::{Arrival, ReceiverId, Sense};
 use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
 use crate::link::books::{Books, FrameSpans, RadioUse};
+use crate::link::frame_buffer::FrameBuffer;
 use crate::link::ieee802154::{first_sequence, pan};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
@@ -24,11 +25,8 @@ use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::{Berth, Placement};
 use crate::link::transmitter::Transmitter;
-use crate::observer::{HeardFrame, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::due_frames::DueFrames;
-use crate::service::packet_trace::PacketEnd;
-use crate::service::packets::Packets;
 use crate::service::radio_event::RadioNews;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
@@ -47,9 +45,7 @@ pub(crate) struct Links {
     pub(super) ledger: Ledger,
     arrivals: Vec<Arrival>,
     reached: Vec<(ReceiverId, StationId)>,
-    told: Vec<HeardFrame>,
-    mpdu: Vec<u8>,
-    payload: Range<usize>,
+    frame: FrameBuffer,
 }
 
 impl Links {
@@ -84,9 +80,7 @@ impl Links {
             ledger,
             arrivals: Vec::new(),
             reached: Vec::new(),
-            told: Vec::new(),
-            mpdu: Vec::with_capacity(127),
-            payload: 0..0,
+            frame: FrameBuffer::new(),
         }
     }
 
@@ -197,23 +191,26 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
-    fn trace(&mut self) {
-        self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
-    fn leave_pending(&mut self, scene: &mut Scene) {
-        let roll = scene.roll;
-        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn frame(&mut self) -> &mut FrameBuffer {
+        &mut self.frame
+    }
+
+    fn trace(&mut self) {
+        self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
         if self.ledger.has(station) {
             self.settle(station, scene);
         }
-    }
-
-    fn count_from(&mut self, instant: SimTime) {
-        self.ledger.counted_from = instant;
     }
 
     fn restart_meters(&mut self, now: SimTime) {
@@ -246,10 +243,6 @@ impl NetworkLinks for Links {
         Err(SendError::NoChannelAccess)
     }
 
-    fn note_due(&mut self, station: StationId, due: DueFrames) {
-        self.ledger.note_due(station, due);
-    }
-
     fn transmitter(&self, station: StationId) -> Option<Transmitter> {
         let stack = &self.stacks[station.index()];
         let radios = &self.radios[stack.channel];
@@ -270,22 +263,6 @@ impl NetworkLinks for Links {
         if self.ledger.has(station) { self.energy_j(station, scene.now) } else { 0.0 }
     }
 
-    fn die(&mut self, station: StationId, scene: &mut Scene) {
-        self.ledger.die(station, scene.now);
-        let stack = &mut self.stacks[station.index()];
-        if stack.on_air.is_some() || stack.is_dead {
-            return;
-        }
-        stack.is_dead = true;
-        stack.cancel_all(scene);
-        stack.radio.turn_off();
-        if let Some(outgoing) = stack.outgoing.take() {
-            self.payloads.free(outgoing.payload);
-        }
-        self.settle(station, scene);
-        self.leave(station, PacketEnd::Died, scene);
-    }
-
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
         let ends = match event {
             Event::Radio(event) => {
@@ -299,18 +276,6 @@ impl NetworkLinks for Links {
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
         self.radios[self.stacks[station.index()].channel].moves(station, scene);
-    }
-
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        (std::mem::take(&mut self.mpdu), self.payload.clone())
-    }
-
-    fn give_back(&mut self, mpdu: Vec<u8>) {
-        self.mpdu = mpdu;
-    }
-
-    fn packets(&self) -> &[Packets] {
-        &self.ledger.packets
     }
 
     fn finish(mut self, now: SimTime) -> Books {

@@ -38,8 +38,8 @@ pub(super) struct OpenPacket {
     pub(super) sequence: u8,
     pub(super) mpdu_octets: u8,
     pub(super) offered: SimTime,
-    pub(super) transmissions: u64,
-    pub(super) assessments: u64,
+    pub(super) transmissions: u32,
+    pub(super) assessments: u32,
     /// The best outcome of its transmissions.
     pub(super) outcome: FrameOutcome,
     /// The stations to which it was delivered.

@@ -1,6 +1,6 @@
 //! A network whose stations sleep: the links of all of them.
 
-mod counting;
+mod dying;
 mod frames;
 mod offering;
 mod port;
@@ -9,7 +9,6 @@ mod sending;
 mod waking;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
@@ -26,6 +25,7 @@ use crate::event::link::LinkEvent;
 use crate::event::sleeping::Event;
 use crate::link::books::{Books, FrameSpans, RadioUse};
 use crate::link::clock::Clock;
+use crate::link::frame_buffer::FrameBuffer;
 use crate::link::ieee802154::{first_sequence, pan};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
@@ -33,13 +33,10 @@ use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::Placement;
 use crate::link::transmitter::Transmitter;
-use crate::observer::{HeardFrame, Observer};
+use crate::observer::Observer;
 use crate::purpose;
 use crate::scene::Scene;
-use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
-use crate::service::packet_trace::PacketEnd;
-use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::rhythm::Rhythm;
 use crate::service::sleep::SleepUse;
@@ -66,9 +63,7 @@ pub(crate) struct Links {
     payloads: Payloads,
     ledger: Ledger,
     arrivals: Vec<Arrival>,
-    told: Vec<HeardFrame>,
-    mpdu: Vec<u8>,
-    payload: Range<usize>,
+    frame: FrameBuffer,
 }
 
 impl Links {
@@ -134,9 +129,7 @@ impl Links {
             payloads: Payloads::default(),
             ledger,
             arrivals: Vec::new(),
-            told: Vec::new(),
-            mpdu: Vec::with_capacity(127),
-            payload: 0..0,
+            frame: FrameBuffer::new(),
         }
     }
 
@@ -165,21 +158,24 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn frame(&mut self) -> &mut FrameBuffer {
+        &mut self.frame
+    }
+
     fn trace(&mut self) {
         self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
-    fn leave_pending(&mut self, scene: &mut Scene) {
-        let roll = scene.roll;
-        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
-    }
-
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
         self.begin_station(station, scene);
-    }
-
-    fn count_from(&mut self, instant: SimTime) {
-        self.ledger.counted_from = instant;
     }
 
     fn restart_meters(&mut self, now: SimTime) {
@@ -214,10 +210,6 @@ impl NetworkLinks for Links {
         self.take_frame(station, to, payload, scene)
     }
 
-    fn note_due(&mut self, station: StationId, due: DueFrames) {
-        self.ledger.note_due(station, due);
-    }
-
     fn transmitter(&self, station: StationId) -> Option<Transmitter> {
         let stack = &self.stacks[station.index()];
         let radio = self.radios.interface(station);
@@ -239,11 +231,6 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, self.stacks[station.index()].tx_power).total_j()
     }
 
-    fn die(&mut self, station: StationId, scene: &mut Scene) {
-        self.ledger.die(station, scene.now);
-        self.turn_off(station, scene);
-    }
-
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
         event == Event::Station(sextant_mac::sleep::Event::FrameEnded)
             && self.stacks[station.index()].on_air.is_some()
@@ -251,18 +238,6 @@ impl NetworkLinks for Links {
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
         self.radios.moves(station, scene);
-    }
-
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        (std::mem::take(&mut self.mpdu), self.payload.clone())
-    }
-
-    fn give_back(&mut self, mpdu: Vec<u8>) {
-        self.mpdu = mpdu;
-    }
-
-    fn packets(&self) -> &[Packets] {
-        &self.ledger.packets
     }
 
     fn finish(mut self, now: SimTime) -> Books {

@@ -10,8 +10,9 @@ use sextant_mac::sleep::{Sent, Sleeper};
 use super::checks::Checks;
 use super::usage::Usage;
 use crate::air::Transmission;
+use crate::link::ieee802154::DataPacket;
 use crate::link::payloads::Content;
-use crate::link::track::{DataPacket, PacketTrack};
+use crate::link::track::PacketTrack;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::report::{Destination, FrameId};
 
@@ -42,10 +43,10 @@ pub(super) struct OpenFrame {
 }
 
 impl OpenFrame {
-    /// What a trace says of it.
+    /// The packet, as it is counted and traced.
     pub(super) fn packet(&self) -> DataPacket {
         let &Self { id, sequence, to, mpdu_octets, offered, .. } = self;
-        DataPacket { id, sequence, to, mpdu_octets, offered }
+        DataPacket { id, sequence: Some(sequence), to, mpdu_octets, offered }
     }
 }
 

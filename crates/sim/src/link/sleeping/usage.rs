@@ -6,6 +6,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::sleep::CheckSpans;
 use sextant_mac::{EnergyMeter, RadioState};
 
+use crate::link::radio_spans::RadioSpans;
 use crate::service::sleep::SleepUse;
 
 /// How the radio of a station was used since an instant. What is in no other state was asleep.
@@ -14,9 +15,7 @@ pub(super) struct Usage {
     state: RadioState,
     since: SimTime,
     from: SimTime,
-    transmitting: Duration,
-    receiving: Duration,
-    turning: Duration,
+    spans: RadioSpans,
     /// Checks, those in which nobody sent included.
     pub(super) checks: u64,
     /// Frames sent to wake a receiver, and copies of frames.
@@ -25,16 +24,7 @@ pub(super) struct Usage {
 
 impl Usage {
     pub(super) fn new(state: RadioState, now: SimTime) -> Self {
-        Self {
-            state,
-            since: now,
-            from: now,
-            transmitting: Duration::ZERO,
-            receiving: Duration::ZERO,
-            turning: Duration::ZERO,
-            checks: 0,
-            strobes: 0,
-        }
+        Self { state, since: now, from: now, spans: RadioSpans::default(), checks: 0, strobes: 0 }
     }
 
     /// The state of the radio.
@@ -47,9 +37,9 @@ impl Usage {
     pub(super) fn enter(&mut self, state: RadioState, now: SimTime) {
         let span = now.saturating_since(self.since);
         match self.state {
-            RadioState::Transmit => self.transmitting += span,
-            RadioState::Receive => self.receiving += span,
-            RadioState::Turnaround => self.turning += span,
+            RadioState::Transmit => self.spans.transmitting += span,
+            RadioState::Receive => self.spans.receiving += span,
+            RadioState::Turnaround => self.spans.turning += span,
             RadioState::Idle | RadioState::Sleep => {}
         }
         (self.state, self.since) = (state, now);
@@ -59,15 +49,15 @@ impl Usage {
     pub(super) fn add_checks(&mut self, checks: u64, spans: CheckSpans) {
         let times = |span: Duration| Duration::from_nanos((SimTime::ZERO + span).as_nanos().saturating_mul(checks));
         self.checks += checks;
-        self.receiving += times(spans.receiving);
-        self.turning += times(spans.turning);
+        self.spans.receiving += times(spans.receiving);
+        self.spans.turning += times(spans.turning);
     }
 
     /// A part of a check passed.
     pub(super) fn add_part(&mut self, spans: CheckSpans) {
         self.checks += 1;
-        self.receiving += spans.receiving;
-        self.turning += spans.turning;
+        self.spans.receiving += spans.receiving;
+        self.spans.turning += spans.turning;
     }
 
     /// All so far is forgotten.
@@ -78,24 +68,14 @@ impl Usage {
     /// The meter of the radio, and how the station slept.
     pub(super) fn close(mut self, now: SimTime) -> (EnergyMeter, SleepUse) {
         self.enter(self.state, now);
-        let mut meter = EnergyMeter::new(RadioState::Transmit, self.from);
-        let mut at = self.from;
-        for (span, next) in [
-            (self.transmitting, RadioState::Receive),
-            (self.receiving, RadioState::Turnaround),
-            (self.turning, RadioState::Sleep),
-        ] {
-            at += span;
-            meter.enter(next, at);
-        }
-        meter.enter(RadioState::Sleep, now.max(at));
+        let RadioSpans { transmitting, receiving, turning } = self.spans;
         let used = SleepUse {
-            on: self.transmitting + self.receiving + self.turning,
+            on: transmitting + receiving + turning,
             span: now.saturating_since(self.from),
             checks: self.checks,
             strobes: self.strobes,
             is_member: true,
         };
-        (meter, used)
+        (self.spans.meter(self.from, now), used)
     }
 }

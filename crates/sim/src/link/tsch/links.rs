@@ -2,7 +2,6 @@
 
 mod acknowledging;
 mod agreeing;
-mod counting;
 mod dying;
 mod frames;
 mod listeners;
@@ -11,7 +10,6 @@ mod receiving;
 mod sending;
 mod synchronising;
 
-use std::ops::Range;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
@@ -20,11 +18,13 @@ use sextant_mac::{Phy, RadioState};
 
 use super::plan::Plan;
 use super::settings::Tsch;
-use super::stack::{Membership, Planned, Stack, Usage};
+use super::stack::{Membership, Planned, Stack};
+use super::usage::Usage;
 use crate::air::Arrival;
 use crate::event::link::LinkEvent;
 use crate::event::tsch::Event;
 use crate::link::books::{Books, FrameSpans, RadioUse};
+use crate::link::frame_buffer::FrameBuffer;
 use crate::link::ieee802154::{first_sequence, pan};
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
@@ -32,12 +32,9 @@ use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::{Berth, Placement};
 use crate::link::transmitter::Transmitter;
-use crate::observer::{HeardFrame, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
-use crate::service::due_frames::DueFrames;
 use crate::service::outcome::Deafness;
-use crate::service::packet_trace::PacketEnd;
-use crate::service::packets::Packets;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::rhythm::Rhythm;
 use crate::service::slots::SlotUse;
@@ -61,9 +58,7 @@ pub(crate) struct Links {
     payloads: Payloads,
     ledger: Ledger,
     arrivals: Vec<Arrival>,
-    told: Vec<HeardFrame>,
-    mpdu: Vec<u8>,
-    payload: Range<usize>,
+    frame: FrameBuffer,
 }
 
 impl Links {
@@ -133,9 +128,7 @@ impl Links {
             payloads: Payloads::default(),
             ledger,
             arrivals: Vec::new(),
-            told: Vec::new(),
-            mpdu: Vec::with_capacity(127),
-            payload: 0..0,
+            frame: FrameBuffer::new(),
         }
     }
 
@@ -206,21 +199,24 @@ impl Links {
 impl NetworkLinks for Links {
     type Event = Event;
 
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn ledger_mut(&mut self) -> &mut Ledger {
+        &mut self.ledger
+    }
+
+    fn frame(&mut self) -> &mut FrameBuffer {
+        &mut self.frame
+    }
+
     fn trace(&mut self) {
         self.stacks.iter_mut().for_each(|stack| stack.is_traced = true);
     }
 
-    fn leave_pending(&mut self, scene: &mut Scene) {
-        let roll = scene.roll;
-        roll.stations().for_each(|station| self.leave(station, PacketEnd::Pending, scene));
-    }
-
     fn begin(&mut self, station: StationId, scene: &mut Scene) {
         self.begin_station(station, scene);
-    }
-
-    fn count_from(&mut self, instant: SimTime) {
-        self.ledger.counted_from = instant;
     }
 
     fn restart_meters(&mut self, now: SimTime) {
@@ -266,10 +262,6 @@ impl NetworkLinks for Links {
         self.change_parent(station, parent, scene);
     }
 
-    fn note_due(&mut self, station: StationId, due: DueFrames) {
-        self.ledger.note_due(station, due);
-    }
-
     fn transmitter(&self, station: StationId) -> Option<Transmitter> {
         let stack = &self.stacks[station.index()];
         let radio = self.radios[0].interface(station);
@@ -295,29 +287,12 @@ impl NetworkLinks for Links {
         meter.spent(&self.ledger.radio_states, stack.tx_power).total_j()
     }
 
-    fn die(&mut self, station: StationId, scene: &mut Scene) {
-        self.ledger.die(station, scene.now);
-        self.turn_off(station, scene);
-    }
-
     fn ends_frame(&self, station: StationId, event: Event) -> bool {
         matches!(event, Event::FrameEnds | Event::AckEnds) && self.stacks[station.index()].is_on_air()
     }
 
     fn moves(&self, station: StationId, scene: &mut Scene) {
         self.radios.iter().for_each(|radios| radios.moves(station, scene));
-    }
-
-    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
-        (std::mem::take(&mut self.mpdu), self.payload.clone())
-    }
-
-    fn give_back(&mut self, mpdu: Vec<u8>) {
-        self.mpdu = mpdu;
-    }
-
-    fn packets(&self) -> &[Packets] {
-        &self.ledger.packets
     }
 
     fn finish(mut self, now: SimTime) -> Books {

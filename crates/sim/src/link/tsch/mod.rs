@@ -8,6 +8,7 @@ mod links;
 mod plan;
 mod settings;
 mod stack;
+mod usage;
 
 pub(crate) use links::Links;
 pub use plan::CellFault;

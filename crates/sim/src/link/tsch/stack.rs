@@ -1,18 +1,16 @@
 //! The state of one station's link.
 
-use std::time::Duration;
-
 use sextant_channel::Dbm;
 use sextant_kernel::{EventKey, SimTime, StationId};
-use sextant_mac::tsch::{Asn, Chance, Msf, Schedule, Sender, SlotClock, SlotKind};
-use sextant_mac::{EnergyMeter, RadioState};
+use sextant_mac::tsch::{Asn, Chance, Msf, Schedule, Sender, SlotClock};
 
+use super::usage::Usage;
 use crate::air::Transmission;
+use crate::link::ieee802154::DataPacket;
 use crate::link::payloads::Content;
-use crate::link::track::{DataPacket, PacketTrack};
+use crate::link::track::PacketTrack;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::report::{Destination, FrameId};
-use crate::service::slots::SlotUse;
 
 /// What a frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,10 +53,10 @@ pub(super) struct SlotFrame {
 }
 
 impl SlotFrame {
-    /// What a trace says of it.
+    /// The packet, as it is counted and traced.
     pub(super) fn packet(&self) -> DataPacket {
         let &Self { id, sequence, to, mpdu_octets, offered, .. } = self;
-        DataPacket { id, sequence, to, mpdu_octets, offered }
+        DataPacket { id, sequence: Some(sequence), to, mpdu_octets, offered }
     }
 }
 
@@ -165,113 +163,6 @@ pub(super) struct Stack {
     pub(super) draws: u64,
     pub(super) is_traced: bool,
     pub(super) usage: Usage,
-}
-
-/// How a radio was used since a slot, but for slots in which it listened and nobody sent.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Usage {
-    pub(super) slots: SlotUse,
-    transmitting: Duration,
-    receiving: Duration,
-    turning: Duration,
-    since: SimTime,
-    /// Slots count from this one on, ...
-    from: Asn,
-    /// ... and these of them are no longer those of the schedule: it sent in them, or somebody sent to it.
-    taken: u64,
-    /// When the scan under way began.
-    scans_since: Option<SimTime>,
-}
-
-impl Usage {
-    pub(super) fn new(since: SimTime, from: Asn) -> Self {
-        Self {
-            slots: SlotUse::default(),
-            transmitting: Duration::ZERO,
-            receiving: Duration::ZERO,
-            turning: Duration::ZERO,
-            since,
-            from,
-            taken: 0,
-            scans_since: None,
-        }
-    }
-
-    /// A slot of the schedule was used otherwise than for listening in vain.
-    #[inline]
-    pub(super) fn take_slot(&mut self) {
-        self.taken += 1;
-    }
-
-    /// The radio turned around and sent for so long.
-    #[inline]
-    pub(super) fn sent(&mut self, turnaround: Duration, airtime: Duration) {
-        self.turning += turnaround;
-        self.transmitting += airtime;
-    }
-
-    /// The receiver was on for so long.
-    #[inline]
-    pub(super) fn received(&mut self, span: Duration) {
-        self.receiving += span;
-    }
-
-    /// The slots so far, up to but not including `until`, in which it listened and nobody sent, are counted: each with a window of
-    /// this length.
-    pub(super) fn count_idle(&mut self, schedule: &Schedule, until: Asn, window: Duration) {
-        let idle = schedule.listens_within(self.from, until).saturating_sub(std::mem::take(&mut self.taken));
-        self.slots.counts.add(SlotKind::IdleListen, idle);
-        let nanos = (SimTime::ZERO + window).as_nanos().saturating_mul(idle);
-        self.receiving += Duration::from_nanos(nanos);
-        self.from = self.from.max(until);
-    }
-
-    /// Slots count again from this one on.
-    pub(super) fn go_on(&mut self, from: Asn) {
-        self.from = from;
-        self.taken = 0;
-    }
-
-    /// A scan begins.
-    pub(super) fn begin_scan(&mut self, now: SimTime) {
-        self.scans_since = Some(now);
-    }
-
-    /// The scan under way, if one is, is counted up to `now`; returns whether one was.
-    pub(super) fn count_scan(&mut self, now: SimTime) -> bool {
-        let since = self.scans_since.take();
-        if let Some(since) = since {
-            let span = now.saturating_since(since.max(self.since));
-            self.receiving += span;
-            self.slots.scanned += span;
-        }
-        since.is_some()
-    }
-
-    /// All so far is forgotten.
-    pub(super) fn restart(&mut self, now: SimTime, from: Asn) {
-        let scans_since = self.scans_since.map(|_| now);
-        let slots = SlotUse { lost: self.slots.lost, joined_after: self.slots.joined_after, ..SlotUse::default() };
-        *self = Self { slots, scans_since, ..Self::new(now, from) };
-    }
-
-    /// The meter of the radio, and its slots with what share of the time it was on.
-    pub(super) fn close(mut self, now: SimTime) -> (EnergyMeter, SlotUse) {
-        let mut meter = EnergyMeter::new(RadioState::Transmit, self.since);
-        let mut at = self.since;
-        for (span, next) in [
-            (self.transmitting, RadioState::Receive),
-            (self.receiving, RadioState::Turnaround),
-            (self.turning, RadioState::Sleep),
-        ] {
-            at += span;
-            meter.enter(next, at);
-        }
-        meter.enter(RadioState::Sleep, now.max(at));
-        self.slots.on = self.transmitting + self.receiving;
-        self.slots.span = now.saturating_since(self.since);
-        (meter, self.slots)
-    }
 }
 
 impl Stack {

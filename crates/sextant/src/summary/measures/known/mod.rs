@@ -5,6 +5,7 @@ mod map;
 mod mission;
 mod run;
 
+use super::subjects::Feature;
 use super::unit::Unit::{self, Count, Joule, MeanCount, Metre, Second, Share};
 
 /// A number that is measured.
@@ -48,51 +49,24 @@ pub(super) fn of_run(has_maps_by_nodes: bool) -> impl Iterator<Item = KnownMeasu
     all(run::RUN, &[]).chain(all(if has_maps_by_nodes { run::WITH_MAPS_BY_NODES } else { &[] }, &[]))
 }
 
-/// All of a run whose network has slots, in addition.
-pub(super) fn of_slots() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_SLOTS, &[])
-}
-
-/// All of a run whose stations agree on cells, in addition.
-pub(super) fn of_negotiated_cells() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_NEGOTIATED_CELLS, &[])
-}
-
-/// All of a run whose nodes have batteries, in addition.
-pub(super) fn of_batteries() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_BATTERIES, &[])
-}
-
-/// All of a run whose stations sleep between checks of the channel, in addition.
-pub(super) fn of_sleep() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_SLEEP, &[])
-}
-
-/// All of a run in which packets go over several hops, in addition.
-pub(super) fn of_routing() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_ROUTING, &[])
-}
-
-/// All of a run in which packets go down from a sink, in addition.
-pub(super) fn of_way_down() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_WAY_DOWN, &[])
-}
-
-/// All of a run whose packets go in fragments, in addition.
-pub(super) fn of_fragments() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_FRAGMENTS, &[])
-}
-
-/// All of a run with a tree of RPL, in addition.
-pub(super) fn of_rpl() -> impl Iterator<Item = KnownMeasure<'static>> {
-    all(run::WITH_RPL, &[])
+/// All of a run with this feature, in addition.
+pub(super) fn of_feature(feature: Feature) -> impl Iterator<Item = KnownMeasure<'static>> {
+    let written = match feature {
+        Feature::Routing => run::WITH_ROUTING,
+        Feature::WayDown => run::WITH_WAY_DOWN,
+        Feature::Rpl => run::WITH_RPL,
+        Feature::Fragments => run::WITH_FRAGMENTS,
+        Feature::Slots => run::WITH_SLOTS,
+        Feature::NegotiatedCells => run::WITH_NEGOTIATED_CELLS,
+        Feature::Batteries => run::WITH_BATTERIES,
+        Feature::Sleep => run::WITH_SLEEP,
+    };
+    all(written, &[])
 }
 
 /// All of any run.
 pub(super) fn of_any_run() -> impl Iterator<Item = KnownMeasure<'static>> {
-    let mac = of_slots().chain(of_negotiated_cells()).chain(of_sleep()).chain(of_routing()).chain(of_way_down());
-    let hops = of_fragments().chain(of_rpl());
-    of_run(true).chain(mac).chain(hops).chain(of_batteries())
+    of_run(true).chain(Feature::ALL.into_iter().flat_map(of_feature))
 }
 
 fn all(

@@ -61,23 +61,22 @@ impl Links {
         scene.upcalls.push(Upcall::Sent { station, report });
     }
 
-    /// A frame of the broadcast of `station` has ended with this outcome. If it was received, its payload is kept for the
-    /// applications.
+    /// A frame of the broadcast of `station` has ended with this outcome.
     pub(super) fn note_beacon(&mut self, station: StationId, outcome: FrameOutcome, now: SimTime) {
         let Some(RadioTask::Broadcast(broadcast)) = &mut self.stacks[station.index()].task else {
             unreachable!("beacons belong to broadcasts")
         };
         broadcast.frames += 1;
-        if outcome == FrameOutcome::Received
-            && broadcast.outcome != outcome
-            && let Some(delays) = self.ledger.delays.get_mut(station.index())
-        {
-            delays.add(now - broadcast.offered);
+        if outcome == FrameOutcome::Received && broadcast.outcome != outcome {
+            self.ledger.note_reception(station, broadcast.offered, now);
         }
         broadcast.outcome = broadcast.outcome.max(outcome);
-        if outcome == FrameOutcome::Received {
-            self.payload.clear();
-            self.payload.extend_from_slice(broadcast.payload(&self.payloads));
+    }
+
+    /// Keeps the payload of the broadcast of `station`, whose frame ends now, for those that have received it.
+    pub(super) fn keep_payload(&mut self, station: StationId) {
+        if let Some(RadioTask::Broadcast(broadcast)) = &self.stacks[station.index()].task {
+            self.frame.keep_payload(broadcast.payload(&self.payloads));
         }
     }
 

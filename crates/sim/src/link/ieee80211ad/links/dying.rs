@@ -4,15 +4,14 @@ use sextant_kernel::StationId;
 use sextant_mac::RadioState;
 
 use super::Links;
-use crate::event::ieee80211ad::Event;
 use crate::link::ieee80211ad::stack::{RadioTask, Role};
+use crate::link::links::EndingLinks;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::PacketEnd;
 
-impl Links {
-    /// A station dies: its radio is off from now on, or from the end of the frame on air.
-    pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
+impl EndingLinks for Links {
+    fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
         let radio = &mut self.stacks[station.index()].radio;
         if radio.on_air.is_some() {
             return;
@@ -22,8 +21,7 @@ impl Links {
         self.leave(station, PacketEnd::Died, scene);
     }
 
-    /// What a station still has to send when it dies, or at the end.
-    pub(super) fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
+    fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
         let fate = end.fate_of_left(FrameOutcome::WORST);
         let stack = &mut self.stacks[station.index()];
         let (is_answering, answer, sweeps) = (stack.is_answering, stack.outcome, u64::from(stack.has_answered));
@@ -46,11 +44,5 @@ impl Links {
         if is_answering {
             self.end_answer(station, end, end.fate_of_left(answer), sweeps, scene);
         }
-    }
-
-    /// Whether an event is the end of the frame that a station has on air.
-    pub(super) fn is_end_of_frame(&self, station: StationId, event: Event) -> bool {
-        matches!(event, Event::InitiatorTransmitted | Event::ResponderTransmitted)
-            && self.stacks[station.index()].radio.on_air.is_some()
     }
 }

@@ -5,10 +5,11 @@ use sextant_kernel::StationId;
 use sextant_mac::dmg::{Enclosed, ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
 
 use super::Links;
-use crate::air::Transmission;
-use crate::link::collectors::tell_collectors;
+use crate::air::{Arrival, Transmission};
+use crate::link::fate::Fate;
+use crate::link::frame_buffer::FrameEnd;
 use crate::link::ieee80211ad::stack::{RadioTask, Role, Stack};
-use crate::observer::{FrameOnAir, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
@@ -36,6 +37,9 @@ impl Links {
         self.trace_frame(station, &transmission, &frame, scene);
         if observer.wants_frames() {
             self.tell_frame(&transmission, &frame, scene, observer);
+        }
+        if matches!(frame.body, SweepBody::Beacon { .. }) {
+            self.keep_payload(station);
         }
         for i in 0..self.arrivals.len() {
             if self.arrivals[i].outcome == FrameOutcome::Received && self.ledger.has(self.arrivals[i].station) {
@@ -151,6 +155,13 @@ impl Links {
         arrivals.map(|arrival| arrival.outcome).max().unwrap_or_else(missed)
     }
 
+    /// What became of a frame at the station that it is for, or at the first of those where it did best.
+    pub(super) fn fate(&self, transmission: &Transmission, frame: &SweepFrame, scene: &Scene) -> Fate {
+        let outcome = self.outcome(transmission, frame, scene);
+        let is_best = |arrival: &&Arrival| arrival.outcome == outcome && self.is_for(frame, arrival.station);
+        Fate { outcome, arrival: self.arrivals.iter().find(is_best).copied() }
+    }
+
     /// Tells the observer of a frame that ends now.
     fn tell_frame(
         &mut self,
@@ -167,21 +178,9 @@ impl Links {
             (SweepBody::Brp { .. }, _) => Enclosed::Measurements(source.responder.measurements()),
             _ => Enclosed::Nothing,
         };
-        frame.write(enclosed, &mut self.octets);
-        let outcome = self.outcome(transmission, frame, scene);
-        let is_best = |station, found| found == outcome && self.is_for(frame, station);
-        let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
-        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
-        observer.framed(FrameOnAir {
-            network: self.radios.network,
-            channel: None,
-            start: transmission.start(),
-            airtime: scene.now - transmission.start(),
-            source: transmission.source(),
-            bytes: &self.octets,
-            outcome,
-            power: best.map(|arrival| arrival.power.to_dbm()),
-            heard: &self.told,
-        });
+        frame.write(enclosed, &mut self.frame.octets);
+        let (network, fate) = (self.radios.network, self.fate(transmission, frame, scene));
+        let end = FrameEnd { network, channel: None, transmission, fate, arrivals: &self.arrivals };
+        self.frame.tell(end, scene, observer);
     }
 }

@@ -9,7 +9,7 @@ use crate::air::Transmission;
 use crate::link::ieee80211ad::broadcast::Broadcast;
 use crate::link::ieee80211ad::tracks::Tracks;
 use crate::link::ledger::CountedPacket;
-use crate::link::track::{PacketTrack, Traced, TransmissionEnd};
+use crate::link::track::{PacketTrack, Traced};
 use crate::scene::Scene;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
 use crate::service::report::Destination;
@@ -30,12 +30,7 @@ impl Links {
             SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Brp { .. } => None,
         };
         if let Some(track) = track {
-            let outcome = self.outcome(transmission, frame, scene);
-            let is_best = |found, station| found == outcome && self.is_for(frame, station);
-            let arrival = self.arrivals.iter().find(|arrival| is_best(arrival.outcome, arrival.station)).copied();
-            let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
-            let end = TransmissionEnd { outcome, arrival, receiver, air: self.radios.air };
-            track.end_transmission(transmission, end, scene);
+            track.end_transmission(transmission, self.fate(transmission, frame, scene), &self.radios, scene);
         }
         self.stacks[station.index()].tracks = Some(tracks);
     }

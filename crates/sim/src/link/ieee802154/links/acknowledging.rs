@@ -40,7 +40,9 @@ impl Links {
         let asked = if observer.wants_frames() { Asked::All } else { Asked::WhoReceives(&awaits) };
         scene.airs[self.radios.air].end_asking(scene.now, &transmission, asked, arrivals);
         if observer.wants_frames() {
-            Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
+            Frame::acknowledgement(sequence)
+                .write(&mut self.frame.octets)
+                .expect("an acknowledgement has five octets");
             let answered = self.stacks[station.index()].answered;
             // Nodes that wait for a robot's answer all look at it, because it has no address: the best outcome counts.
             self.catch_up(Cut::now(scene), scene);

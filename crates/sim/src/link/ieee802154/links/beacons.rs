@@ -57,13 +57,13 @@ impl Links {
         let transmission = self.beacon.take().expect("only a beacon on air ends");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
         let (_, coordinator) = self.coordinator.as_ref().expect("a coordinator sends");
-        coordinator.write_beacon(&mut self.mpdu);
+        coordinator.write_beacon(&mut self.frame.octets);
         if observer.wants_frames() {
             self.tell_frame(&transmission, self.fate_at_nodes(&transmission, scene), scene, observer);
         }
         let now = scene.now;
-        let octets = u8::try_from(self.mpdu.len()).expect("at most 127 octets");
-        let frame = Frame::parse(&self.mpdu).expect("stations write what they can read");
+        let octets = u8::try_from(self.frame.octets.len()).expect("at most 127 octets");
+        let frame = Frame::parse(&self.frame.octets).expect("stations write what they can read");
         let FrameBody::Beacon(beacon) = frame.body else { unreachable!("a coordinator writes beacons") };
         for arrival in self.arrivals.iter().filter(|arrival| arrival.outcome == FrameOutcome::Received) {
             let (station, listener) = (arrival.station, arrival.station.index());

@@ -4,9 +4,9 @@ use sextant_kernel::StationId;
 
 use super::Links;
 use crate::air::Transmission;
-use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
-use crate::observer::{FrameOnAir, Observer};
+use crate::link::frame_buffer::FrameEnd;
+use crate::observer::Observer;
 use crate::scene::Scene;
 
 impl Links {
@@ -28,7 +28,7 @@ impl Links {
             .fold(Fate::missed(missed), Fate::or)
     }
 
-    /// Tells the observer of the frame in `mpdu`, which ends now, with its fate.
+    /// Tells the observer of the frame in the buffer, which ends now, with its fate.
     pub(super) fn tell_frame(
         &mut self,
         transmission: &Transmission,
@@ -36,17 +36,8 @@ impl Links {
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
-        observer.framed(FrameOnAir {
-            network: self.radios.network,
-            channel: None,
-            start: transmission.start(),
-            airtime: scene.now - transmission.start(),
-            source: transmission.source(),
-            bytes: &self.mpdu,
-            outcome: fate.outcome,
-            power: fate.power(),
-            heard: &self.told,
-        });
+        let (network, channel) = (self.radios.network, None);
+        let end = FrameEnd { network, channel, transmission, fate, arrivals: &self.arrivals };
+        self.frame.tell(end, scene, observer);
     }
 }

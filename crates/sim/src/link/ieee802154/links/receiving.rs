@@ -7,7 +7,6 @@ use super::Links;
 use crate::air::{Arrival, Asked};
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
-use crate::link::track::TransmissionEnd;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -34,20 +33,13 @@ impl Links {
         };
         let stack = &mut self.stacks[station.index()];
         let is_copy = stack.outcome == FrameOutcome::Received;
-        if fate.outcome == FrameOutcome::Received
-            && !is_copy
-            && frame.offered >= self.ledger.counted_from
-            && let Some(delays) = self.ledger.delays.get_mut(station.index())
-        {
-            delays.add(scene.now - frame.offered);
+        if fate.outcome == FrameOutcome::Received && !is_copy {
+            self.ledger.note_reception(station, frame.offered, scene.now);
         }
         stack.outcome = stack.outcome.max(fate.outcome);
         stack.transmissions += 1;
         if let Some(track) = &mut stack.track {
-            let arrival = fate.arrival;
-            let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
-            let end = TransmissionEnd { outcome: fate.outcome, arrival, receiver, air: self.radios.air };
-            track.end_transmission(&transmission, end, scene);
+            track.end_transmission(&transmission, fate, &self.radios, scene);
         }
         let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
         if !(is_heard || observer.wants_frames()) {
@@ -67,7 +59,7 @@ impl Links {
         arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
     }
 
-    /// Delivers the frame of `from`, whose payload is in `mpdu`, to all stations that have received it and for which it is. A
+    /// Delivers the frame of `from`, whose payload is in the buffer, to all stations that have received it and for which it is. A
     /// copy, because its acknowledgement was lost, is only acknowledged again: it goes to one station, which has the frame.
     fn deliver(&mut self, from: StationId, is_copy: bool, scene: &mut Scene) {
         let stack = &self.stacks[from.index()];

@@ -5,13 +5,13 @@ use sextant_mac::csma::{self, Outcome};
 use sextant_mac::frame::DataFrame;
 
 use super::Links;
-use super::tracing::RefusedFrame;
 use crate::event::ieee802154::Event;
 use crate::link::ieee802154::addressing::{header, offered_octets};
+use crate::link::ieee802154::data_packet::{DataPacket, EndedPacket, Origin};
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
-use crate::link::ledger::CountedPacket;
 use crate::link::payloads::Content;
+use crate::link::track::PacketTrack;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -25,7 +25,7 @@ pub(super) struct Ended {
     pub(super) end: PacketEnd,
     pub(super) fate: PacketFate,
     pub(super) transmissions: u32,
-    pub(super) assessments: u64,
+    pub(super) assessments: u32,
 }
 
 impl Links {
@@ -50,7 +50,8 @@ impl Links {
         let is_busy = self.macs[station.index()].is_busy();
         if is_busy && stack.waiting.len() >= self.queue_frames {
             self.ledger.packets[station.index()].lost_queue += counts;
-            self.trace_refused(station, RefusedFrame { id, to, mpdu_octets, payload }, scene);
+            let packet = DataPacket { id, sequence: None, to, mpdu_octets, offered: scene.now };
+            self.trace_refused(station, packet, payload, scene);
             return Err(SendError::QueueFull(self.queue_frames));
         }
         let content = self.payloads.keep(payload);
@@ -131,7 +132,7 @@ impl Links {
             0 => PacketFate::LostChannelAccess,
             _ => PacketFate::Sent(stack.outcome),
         };
-        let (transmissions, assessments) = (report.transmissions, report.ccas.into());
+        let (transmissions, assessments) = (report.transmissions, report.ccas);
         let (ended, sequence) = (Ended { end: outcome.into(), fate, transmissions, assessments }, stack.sequence);
         self.end_packet(station, &frame, ended, Some(sequence), scene);
         let (attempts, offered) = (transmissions, frame.offered);
@@ -152,12 +153,28 @@ impl Links {
         scene: &mut Scene,
     ) {
         let Ended { end, fate, transmissions, assessments } = ended;
-        let payload_octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
-        let (offered, transmissions) = (frame.offered, transmissions.into());
-        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments };
-        self.ledger.count(station, &counted);
-        self.trace_ended(station, frame, (end, fate), sequence, scene);
+        let (packet, origin) = (frame.packet(sequence), self.origin(station));
+        let mut track = self.stacks[station.index()].track.as_deref_mut();
+        if let (Some(track), Content::Octets(slot)) = (&mut track, frame.content) {
+            track.carry(Payload::Octets(self.payloads.octets(slot)));
+        }
+        let ended = EndedPacket { packet, end, fate, transmissions, assessments, track };
+        ended.enter(origin, &mut self.ledger, scene);
         self.payloads.release(frame.content);
+    }
+
+    /// Traces a frame for which the queue of `station` had no room.
+    fn trace_refused(&self, station: StationId, packet: DataPacket, payload: Payload<'_>, scene: &mut Scene) {
+        if self.stacks[station.index()].track.is_some() {
+            let mut track = PacketTrack::default();
+            track.carry(payload);
+            let ended = (PacketEnd::QueueFull, PacketFate::LostQueue);
+            self.origin(station).trace(packet, ended, &mut track, &self.ledger, scene);
+        }
+    }
+
+    fn origin(&self, station: StationId) -> Origin {
+        Origin { network: self.radios.network, station, power: self.stacks[station.index()].tx_power }
     }
 
     /// The header of the data frames of `station` to others of its PAN.
@@ -175,13 +192,11 @@ impl Links {
             Content::Octets(slot) => self.payloads.octets(slot),
         };
         if is_whole {
-            header.write(stack.sequence, payload, &mut self.mpdu);
-            let end = self.mpdu.len() - 2;
-            self.payload = end - payload.len()..end;
+            header.write(stack.sequence, payload, &mut self.frame.octets);
+            let end = self.frame.octets.len() - 2;
+            self.frame.payload = end - payload.len()..end;
         } else {
-            self.mpdu.clear();
-            self.mpdu.extend_from_slice(payload);
-            self.payload = 0..payload.len();
+            self.frame.keep_payload(payload);
         }
     }
 }

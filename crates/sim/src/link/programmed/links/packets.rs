@@ -5,10 +5,9 @@ use sextant_kernel::{SimTime, StationId};
 use super::Links;
 use crate::air::Transmission;
 use crate::link::fate::Fate;
-use crate::link::ieee802154::header;
-use crate::link::ledger::CountedPacket;
+use crate::link::ieee802154::{DataPacket, EndedPacket, Origin, header};
 use crate::link::programmed::packet::OpenPacket;
-use crate::link::track::{DataPacket, Origin, PacketTrack, TransmissionEnd};
+use crate::link::track::PacketTrack;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
@@ -82,22 +81,12 @@ impl Links {
         let radios = &self.radios[stack.channel];
         let Some(packet) = stack.open.iter_mut().find(|packet| packet.id == id) else { return };
         packet.transmissions += 1;
-        let Fate { outcome, arrival } = fate;
-        if outcome == FrameOutcome::Received
-            && packet.outcome != FrameOutcome::Received
-            && packet.offered >= self.ledger.counted_from
-            && let Some(delays) = self.ledger.delays.get_mut(station.index())
-        {
-            delays.add(scene.now - packet.offered);
+        if fate.outcome == FrameOutcome::Received && packet.outcome != FrameOutcome::Received {
+            self.ledger.note_reception(station, packet.offered, scene.now);
         }
-        packet.outcome = packet.outcome.max(outcome);
+        packet.outcome = packet.outcome.max(fate.outcome);
         if let Some(track) = &mut packet.track {
-            let receiver = arrival.map(|arrival| radios.receiver(arrival.station));
-            track.end_transmission(
-                transmission,
-                TransmissionEnd { outcome, arrival, receiver, air: radios.air },
-                scene,
-            );
+            track.end_transmission(transmission, fate, radios, scene);
         }
     }
 
@@ -145,16 +134,8 @@ impl Links {
         Ok(())
     }
 
-    /// The packets that a station still has when it dies, or at the end.
-    pub(super) fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
-        for packet in std::mem::take(&mut self.stacks[station.index()].open) {
-            let fate = end.fate_of_left(packet.outcome);
-            self.end_packet(station, packet, end, fate, scene);
-        }
-    }
-
     /// A packet of a station is none any more: it is counted and traced.
-    fn end_packet(
+    pub(super) fn end_packet(
         &mut self,
         station: StationId,
         packet: OpenPacket,
@@ -162,14 +143,10 @@ impl Links {
         fate: PacketFate,
         scene: &mut Scene,
     ) {
-        let OpenPacket { id, to, sequence, mpdu_octets, offered, transmissions, assessments, track, .. } = packet;
-        let payload_octets = u64::from(mpdu_octets - header(self.pan, station, to).overhead_octets());
-        let counted = CountedPacket { offered, payload_octets, end, fate, transmissions, assessments };
-        self.ledger.count(station, &counted);
-        let Some(mut track) = track else { return };
-        let origin = Origin { network: self.radios[0].network, station, counted_from: self.ledger.counted_from };
-        let traced = origin.traced(DataPacket { id, sequence, to, mpdu_octets, offered }, end, fate);
+        let OpenPacket { id, to, sequence, mpdu_octets, offered, transmissions, assessments, mut track, .. } = packet;
+        let packet = DataPacket { id, sequence: Some(sequence), to, mpdu_octets, offered };
+        let ended = EndedPacket { packet, end, fate, transmissions, assessments, track: track.as_deref_mut() };
         let power = self.stacks[station.index()].power;
-        scene.traced.push(track.end(&traced, &self.ledger.radio_states, power, scene.now));
+        ended.enter(Origin { network: self.radios[0].network, station, power }, &mut self.ledger, scene);
     }
 }

@@ -7,12 +7,12 @@ use super::Links;
 use crate::air::{Aim, Emission, Transmission};
 use crate::event::link::LinkEvent;
 use crate::event::programmed::Event;
-use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
+use crate::link::frame_buffer::FrameEnd;
 use crate::link::ieee802154::header;
 use crate::link::programmed::packet::Outgoing;
 use crate::link::programmed::stack::{Kind, OnAir};
-use crate::observer::{FrameOnAir, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::report::Destination;
 
@@ -61,10 +61,10 @@ impl Links {
         match kind {
             Kind::Frame => self.end_frame(station, &transmission, scene, observer),
             Kind::Acknowledgement { sequence, to } => {
-                self.payload = 0..0;
+                self.frame.payload = 0..0;
                 if observer.wants_frames() {
                     Frame::acknowledgement(sequence)
-                        .write(&mut self.mpdu)
+                        .write(&mut self.frame.octets)
                         .expect("an acknowledgement has five octets");
                     let fate = self.fate(station, &transmission, Destination::Station(to), scene);
                     self.tell_frame(&transmission, fate, scene, observer);
@@ -113,24 +113,15 @@ impl Links {
             false => header(self.pan, station, outgoing.to).without_acknowledgement(),
         };
         let payload = self.payloads.octets(outgoing.payload);
-        header.write(outgoing.sequence, payload, &mut self.mpdu);
-        let end = self.mpdu.len() - 2;
-        self.payload = end - payload.len()..end;
+        header.write(outgoing.sequence, payload, &mut self.frame.octets);
+        let end = self.frame.octets.len() - 2;
+        self.frame.payload = end - payload.len()..end;
     }
 
     /// Tells the observer of the frame in the buffer, which ends now, with its fate.
     fn tell_frame(&mut self, transmission: &Transmission, fate: Fate, scene: &Scene, observer: &mut impl Observer) {
-        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
-        observer.framed(FrameOnAir {
-            network: self.radios[0].network,
-            channel: Some(self.channel_of(transmission.source())),
-            start: transmission.start(),
-            airtime: scene.now - transmission.start(),
-            source: transmission.source(),
-            bytes: &self.mpdu,
-            outcome: fate.outcome,
-            power: fate.power(),
-            heard: &self.told,
-        });
+        let (network, channel) = (self.radios[0].network, Some(self.channel_of(transmission.source())));
+        let end = FrameEnd { network, channel, transmission, fate, arrivals: &self.arrivals };
+        self.frame.tell(end, scene, observer);
     }
 }

@@ -1,4 +1,4 @@
-//! Frames as octets, and for observers.
+//! Frames as octets.
 
 use std::time::Duration;
 
@@ -9,14 +9,10 @@ use sextant_mac::sleep::{Form, STROBE_OCTETS, Sent, WAKE_UP_OCTETS};
 use sextant_mac::tsch::frame::SlotData;
 
 use super::Links;
-use crate::air::Transmission;
-use crate::link::collectors::tell_collectors;
-use crate::link::fate::Fate;
 use crate::link::ieee802154::header;
 use crate::link::payloads::Content;
 use crate::link::sleeping::stack::Stack;
-use crate::observer::{FrameOnAir, Observer};
-use crate::scene::Scene;
+use crate::observer::Observer;
 use crate::service::report::Destination;
 
 /// The payload of a strobe: an octet that is none of 6LoWPAN (RFC 4944, 5.1: NALP).
@@ -74,9 +70,9 @@ impl Links {
     /// Writes a frame of a station, or only its payload if nobody looks at more.
     pub(super) fn write_frame(&mut self, station: StationId, frame: &NodeFrame, observer: &impl Observer) {
         let &NodeFrame { sent, to, sequence } = frame;
-        let mut mpdu = std::mem::take(&mut self.mpdu);
+        let mut mpdu = std::mem::take(&mut self.frame.octets);
         mpdu.clear();
-        self.payload = 0..0;
+        self.frame.payload = 0..0;
         let peer = match to {
             Destination::Station(to) => Some(to),
             Destination::All => None,
@@ -97,7 +93,7 @@ impl Links {
                     (true, Form::XMac | Form::RepeatedData) => header.write(sequence, payload, &mut mpdu),
                 }
                 let end = if observer.wants_frames() { mpdu.len() - 2 } else { mpdu.len() };
-                self.payload = end - payload.len()..end;
+                self.frame.payload = end - payload.len()..end;
             }
             _ if !observer.wants_frames() => {}
             (Sent::Strobe, _) => header(self.pan, station, to).write(sequence, STROBE, &mut mpdu),
@@ -112,7 +108,7 @@ impl Links {
             },
             _ => Frame::acknowledgement(sequence).write(&mut mpdu).expect("an acknowledgement has five octets"),
         }
-        self.mpdu = mpdu;
+        self.frame.octets = mpdu;
     }
 
     /// The acknowledgement of a station with CSL, which ends now: it tells when the station listens next.
@@ -126,27 +122,5 @@ impl Links {
     pub(super) fn csl_phase(&self, stack: &Stack) -> u16 {
         let listens = stack.checks.start_of(stack.checks.next_from(stack.answer_start)) + self.phy().turnaround();
         rendezvous_units(listens.saturating_since(stack.answer_start), self.phy())
-    }
-
-    /// Tells the observer of the frame in the buffer, which ends now, with its fate.
-    pub(super) fn tell_frame(
-        &mut self,
-        transmission: &Transmission,
-        fate: Fate,
-        scene: &Scene,
-        observer: &mut impl Observer,
-    ) {
-        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
-        observer.framed(FrameOnAir {
-            network: self.radios.network,
-            channel: Some(self.channel),
-            start: transmission.start(),
-            airtime: scene.now - transmission.start(),
-            source: transmission.source(),
-            bytes: &self.mpdu,
-            outcome: fate.outcome,
-            power: fate.power(),
-            heard: &self.told,
-        });
     }
 }

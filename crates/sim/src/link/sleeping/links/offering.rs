@@ -3,7 +3,7 @@
 use sextant_kernel::StationId;
 
 use super::Links;
-use crate::link::ieee802154::{header, offered_octets};
+use crate::link::ieee802154::{EndedPacket, Origin, header, offered_octets};
 use crate::link::sleeping::stack::OpenFrame;
 use crate::link::track::PacketTrack;
 use crate::scene::Scene;
@@ -74,5 +74,21 @@ impl Links {
         self.end_packet(station, frame, outcome.into(), fate, scene);
         let report = SendReport { frame: id, to, outcome, attempts, transmissions, offered };
         scene.upcalls.push(Upcall::Sent { station, report });
+    }
+    /// A packet of a station is none any more: it is counted and traced.
+    pub(super) fn end_packet(
+        &mut self,
+        station: StationId,
+        mut frame: OpenFrame,
+        end: PacketEnd,
+        fate: PacketFate,
+        scene: &mut Scene,
+    ) {
+        self.payloads.release(frame.content);
+        let (packet, track) = (frame.packet(), frame.track.as_deref_mut());
+        let (transmissions, assessments) = (frame.transmissions, frame.looks);
+        let power = self.stacks[station.index()].tx_power;
+        let ended = EndedPacket { packet, end, fate, transmissions, assessments, track };
+        ended.enter(Origin { network: self.radios.network, station, power }, &mut self.ledger, scene);
     }
 }

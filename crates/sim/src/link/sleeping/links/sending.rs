@@ -11,8 +11,8 @@ use super::frames::NodeFrame;
 use crate::air::{Aim, Emission, Transmission};
 use crate::event::sleeping::Event;
 use crate::link::fate::Fate;
+use crate::link::frame_buffer::FrameEnd;
 use crate::link::sleeping::stack::{KnownPhase, OnAir, Work};
-use crate::link::track::TransmissionEnd;
 use crate::observer::Observer;
 use crate::purpose;
 use crate::scene::Scene;
@@ -173,7 +173,9 @@ impl Links {
         let frame = self.node_frame(station, sent, to);
         self.write_frame(station, &frame, observer);
         if observer.wants_frames() {
-            self.tell_frame(&transmission, fate, scene, observer);
+            let (network, channel) = (self.radios.network, Some(self.channel));
+            let end = FrameEnd { network, channel, transmission: &transmission, fate, arrivals: &self.arrivals };
+            self.frame.tell(end, scene, observer);
         }
         match sent {
             Sent::Data => self.note_transmission(station, &transmission, fate, scene),
@@ -204,19 +206,12 @@ impl Links {
         let Some(packet) = self.stacks[station.index()].waiting.front_mut() else { return };
         // Copies in one attempt are one transmission.
         packet.transmissions += u32::from(packet.sent_in.replace(packet.attempts) != Some(packet.attempts));
-        if fate.outcome == FrameOutcome::Received
-            && packet.outcome != FrameOutcome::Received
-            && packet.offered >= self.ledger.counted_from
-            && let Some(delays) = self.ledger.delays.get_mut(station.index())
-        {
-            delays.add(scene.now - packet.offered);
+        if fate.outcome == FrameOutcome::Received && packet.outcome != FrameOutcome::Received {
+            self.ledger.note_reception(station, packet.offered, scene.now);
         }
         packet.outcome = packet.outcome.max(fate.outcome);
         if let Some(track) = &mut packet.track {
-            let Fate { outcome, arrival } = fate;
-            let receiver = arrival.map(|arrival| self.radios.receiver(arrival.station));
-            let end = TransmissionEnd { outcome, arrival, receiver, air: self.radios.air };
-            track.end_transmission(transmission, end, scene);
+            track.end_transmission(transmission, fate, &self.radios, scene);
         }
     }
 

@@ -8,11 +8,10 @@ use super::Links;
 use crate::air::{Aim, Emission, PlacedRadio};
 use crate::event::sleeping::Event;
 use crate::link::sleeping::reach::WakeOrder;
-use crate::link::sleeping::stack::{PlannedCheck, Work};
+use crate::link::sleeping::stack::PlannedCheck;
 use crate::link::sleeping::usage::Usage;
 use crate::scene::Scene;
 use crate::service::outcome::Deafness;
-use crate::service::packet_trace::PacketEnd;
 
 impl Links {
     /// The network starts to work at a station.
@@ -143,28 +142,5 @@ impl Links {
         };
         let found: Vec<StationId> = scene.roll.stations().filter(hears).collect();
         self.order(found.into_iter(), now)
-    }
-
-    /// A station dies: its radio is off from now on, or from the end of what it has on air.
-    pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
-        let stack = &self.stacks[station.index()];
-        if stack.on_air.is_some() || !stack.is_there {
-            return;
-        }
-        self.count_idle(station, scene.now);
-        self.leave(station, PacketEnd::Died, scene);
-        let stack = &mut self.stacks[station.index()];
-        let work = match std::mem::replace(&mut stack.work, Work::None) {
-            Work::BackingOff(key) | Work::Aiming { key, .. } => Some(key),
-            Work::None | Work::Sending => None,
-        };
-        let planned = stack.planned.take().map(|planned| planned.key);
-        for key in [work, planned, stack.timer.take()].into_iter().flatten() {
-            scene.queue.cancel(key);
-        }
-        stack.is_there = false;
-        stack.sleeper.turn_off();
-        stack.usage.enter(RadioState::Sleep, scene.now);
-        self.radios.tune(station, Some(Deafness::Off), &mut stack.deafness, scene);
     }
 }

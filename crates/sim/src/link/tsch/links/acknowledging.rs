@@ -98,8 +98,8 @@ impl Links {
         let air = self.radios[place].air;
         scene.airs[air].end(scene.now, &transmission, &mut self.arrivals);
         if observer.wants_frames() {
-            self.acknowledgement(&answer).write(&mut self.mpdu);
-            self.payload = 0..0;
+            self.acknowledgement(&answer).write(&mut self.frame.octets);
+            self.frame.payload = 0..0;
             let fate = Fate::of(&transmission, &self.arrivals, &scene.airs[air], |station| station == to);
             self.tell_frame(place, &transmission, fate, scene, observer);
         }

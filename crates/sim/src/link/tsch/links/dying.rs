@@ -4,14 +4,14 @@ use sextant_kernel::StationId;
 
 use super::Links;
 use crate::event::tsch::Event;
+use crate::link::links::EndingLinks;
 use crate::link::tsch::stack::Membership;
 use crate::scene::Scene;
 use crate::service::outcome::Deafness;
 use crate::service::packet_trace::PacketEnd;
 
-impl Links {
-    /// A station dies: its radio is off from now on, or from the end of what it has on air.
-    pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
+impl EndingLinks for Links {
+    fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
         let stack = &self.stacks[station.index()];
         if stack.is_on_air() || matches!(stack.membership, Membership::Out) {
             return;
@@ -46,6 +46,12 @@ impl Links {
             if let Some(sending) = &mut self.stacks[answer.to.index()].sending {
                 sending.missed = Some(missed);
             }
+        }
+    }
+    fn leave(&mut self, station: StationId, end: PacketEnd, scene: &mut Scene) {
+        for frame in self.stacks[station.index()].sender.take_all() {
+            let fate = end.fate_of_left(frame.outcome);
+            self.end_packet(station, frame, end, fate, scene);
         }
     }
 }

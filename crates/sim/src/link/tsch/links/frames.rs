@@ -7,23 +7,23 @@ use sextant_mac::tsch::frame::{EnhancedBeacon, SixPFrame, SlotData};
 
 use super::Links;
 use crate::air::Transmission;
-use crate::link::collectors::tell_collectors;
 use crate::link::fate::Fate;
+use crate::link::frame_buffer::FrameEnd;
 use crate::link::tsch::stack::{FrameKind, SlotFrame};
-use crate::observer::{FrameOnAir, Observer};
+use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::report::Destination;
 
 impl Links {
     /// Writes what a station sent in a slot, or only its payload if nobody looks at more.
     pub(super) fn write_sent(&mut self, station: StationId, chance: Chance, observer: &impl Observer) {
-        let mut mpdu = std::mem::take(&mut self.mpdu);
+        let mut mpdu = std::mem::take(&mut self.frame.octets);
         mpdu.clear();
         let stack = &mut self.stacks[station.index()];
         let join_metric = stack.join_metric;
         let &mut SlotFrame { kind, to, sequence, content, mpdu_octets, .. } = stack.sender.frame(chance.turn);
         let payload = self.payload_of(station, kind, to, (content, mpdu_octets));
-        self.payload = match (kind, observer.wants_frames()) {
+        self.frame.payload = match (kind, observer.wants_frames()) {
             (FrameKind::Beacon, true) => {
                 let from = Endpoint { pan: self.pan, address: Address::of(station) };
                 let beacon = self.plan.beacon(&self.settings, from, chance.asn, join_metric);
@@ -52,7 +52,7 @@ impl Links {
                 0..payload.len()
             }
         };
-        self.mpdu = mpdu;
+        self.frame.octets = mpdu;
     }
 
     /// Tells the observer of the frame in the buffer, which ends now, with its fate.
@@ -64,17 +64,8 @@ impl Links {
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
-        observer.framed(FrameOnAir {
-            network: self.radios[0].network,
-            channel: Some(self.settings.hopping.channels()[place]),
-            start: transmission.start(),
-            airtime: scene.now - transmission.start(),
-            source: transmission.source(),
-            bytes: &self.mpdu,
-            outcome: fate.outcome,
-            power: fate.power(),
-            heard: &self.told,
-        });
+        let (network, channel) = (self.radios[0].network, Some(self.settings.hopping.channels()[place]));
+        let end = FrameEnd { network, channel, transmission, fate, arrivals: &self.arrivals };
+        self.frame.tell(end, scene, observer);
     }
 }

@@ -3,7 +3,7 @@
 use sextant_kernel::StationId;
 
 use super::Links;
-use crate::link::ieee802154::{header, offered_octets};
+use crate::link::ieee802154::{EndedPacket, Origin, header, offered_octets};
 use crate::link::payloads::Content;
 use crate::link::track::PacketTrack;
 use crate::link::tsch::stack::{FrameKind, Membership, SlotFrame};
@@ -89,6 +89,25 @@ impl Links {
         let fate = PacketFate::Sent(frame.outcome);
         self.end_packet(station, frame, outcome.into(), fate, scene);
         scene.upcalls.push(Upcall::Sent { station, report });
+    }
+
+    /// A frame of a station is none any more: if it is a packet, it is counted and traced.
+    pub(super) fn end_packet(
+        &mut self,
+        station: StationId,
+        mut frame: SlotFrame,
+        end: PacketEnd,
+        fate: PacketFate,
+        scene: &mut Scene,
+    ) {
+        self.payloads.release(frame.content);
+        if frame.kind != FrameKind::Data {
+            return;
+        }
+        let (packet, transmissions, track) = (frame.packet(), frame.transmissions, frame.track.as_deref_mut());
+        let power = self.stacks[station.index()].tx_power;
+        let ended = EndedPacket { packet, end, fate, transmissions, assessments: 0, track };
+        ended.enter(Origin { network: self.radios[0].network, station, power }, &mut self.ledger, scene);
     }
 
     /// The payload of a frame with this content and size.

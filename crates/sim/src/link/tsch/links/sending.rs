@@ -11,7 +11,6 @@ use crate::air::{Aim, Emission, Transmission};
 use crate::event::link::LinkEvent;
 use crate::event::tsch::Event;
 use crate::link::fate::Fate;
-use crate::link::track::TransmissionEnd;
 use crate::link::tsch::stack::{FrameKind, Listening, Sending};
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -177,23 +176,12 @@ impl Links {
         let frame = self.stacks[station.index()].sender.frame(turn);
         let was_received = frame.outcome == FrameOutcome::Received;
         frame.transmissions += 1;
-        if fate.outcome == FrameOutcome::Received
-            && !was_received
-            && frame.kind == FrameKind::Data
-            && frame.offered >= self.ledger.counted_from
-            && let Some(delays) = self.ledger.delays.get_mut(station.index())
-        {
-            delays.add(scene.now - frame.offered);
+        if fate.outcome == FrameOutcome::Received && !was_received && frame.kind == FrameKind::Data {
+            self.ledger.note_reception(station, frame.offered, scene.now);
         }
         frame.outcome = frame.outcome.max(fate.outcome);
         if let Some(track) = &mut frame.track {
-            let Fate { outcome, arrival } = fate;
-            let receiver = arrival.map(|arrival| radios.receiver(arrival.station));
-            track.end_transmission(
-                transmission,
-                TransmissionEnd { outcome, arrival, receiver, air: radios.air },
-                scene,
-            );
+            track.end_transmission(transmission, fate, radios, scene);
         }
         was_received
     }

@@ -5,12 +5,10 @@ use sextant_kernel::{NodeId, SimTime};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, RobotLogError};
 use tempfile::TempDir;
 
-use crate::program;
-
 const STOPS: &str = "stop,t_s,x_m,y_m\nA,0,0,0\nB,1,1,0\nC,2,2,0\n";
 
-pub(super) fn folder(stops: &str, receptions: &str) -> TempDir {
-    program::folder(&[("stops.csv", stops), ("receptions.csv", receptions)])
+fn folder(stops: &str, receptions: &str) -> TempDir {
+    crate::folder(&[("stops.csv", stops), ("receptions.csv", receptions)])
 }
 
 fn try_read(stops: &str, receptions: &str) -> Result<RobotLog, RobotLogError> {

@@ -6,7 +6,7 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, RobotLogError, StopRule};
 
-use crate::program::folder;
+use crate::folder;
 
 const PATH: &str = "t_s,x_m,y_m\n0,0,0\n5,5,0\n10,10,0\n";
 const PACKETS: &str = "t_s,node,rssi_dbm\n1.5,lamp,-70\n2.5,lamp,-72\n6.5,door,-60\n7.5,lamp,\n";

@@ -1,7 +1,5 @@
 //! Tables in memory mean the same as CSV files with the same cells, and are refused for the same reasons.
 
-#![expect(clippy::unwrap_used, reason = "a test that fails panics")]
-
 use proptest::prelude::*;
 use sextant_logs::{
     FieldNames, FormOptions, MemoryColumn, MemoryLog, MemoryTable, PacketDelay, ReadOptions, RepairOptions, RobotLog,
