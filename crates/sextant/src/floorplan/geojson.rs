@@ -8,6 +8,8 @@ use sextant_channel::WallConfig;
 use sextant_kernel::text::counted;
 
 use super::error::FloorPlanError;
+use sextant_logs::LocalPlane;
+
 use super::{FloorPlan, FloorPlanOptions, LengthUnit, to_mm};
 
 /// Places farther apart than this are not degrees of one building (°).
@@ -49,7 +51,9 @@ fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
     if others > 0 {
         plan.notes.push(format!("{} are neither lines nor areas, and are left out", counted(others, "feature")));
     }
-    plan.notes.push(to_metres(&mut lines, options, &root)?);
+    let (note, is_by_degrees) = to_metres(&mut lines, options, &root)?;
+    plan.is_by_degrees = is_by_degrees;
+    plan.notes.push(note);
     for (number, Line { mut points, properties }) in lines.into_iter().enumerate() {
         points.dedup_by(|a, b| libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-3);
         let number_of = |key: &str, usual: f64| properties[key].as_f64().unwrap_or(usual);
@@ -102,8 +106,9 @@ fn take(geometry: &Value, properties: &Value, lines: &mut Vec<Line>, others: &mu
     Ok(())
 }
 
-/// Turns coordinates into metres, degrees from their middle on, and says what they were.
-fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Result<String, String> {
+/// Turns coordinates into metres, degrees into the plane of the options or from their middle on. Says what they were, and whether they
+/// were degrees.
+fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Result<(String, bool), String> {
     let [x_m, y_m] = options.origin_m.unwrap_or_default();
     let points = || lines.iter().flat_map(|line| line.points.iter());
     let low = points().fold([f64::MAX; 2], |low, point| [0, 1].map(|axis| low[axis].min(point[axis])));
@@ -120,6 +125,20 @@ fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Re
     };
     let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
     let [longitude, latitude] = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+    if let (None, Some(plane)) = (&lengths, options.plane) {
+        // Degrees that are far from the log are lengths, or of another place.
+        if plane.distance_m(latitude, longitude, plane.origin().height_m) > LocalPlane::RADIUS_M {
+            return Err(format!(
+                "it is at longitude {longitude:.4} and latitude {latitude:.4}, far from the places of the log"
+            ));
+        }
+        for point in lines.iter_mut().flat_map(|line| line.points.iter_mut()) {
+            let place = plane.to_local(point[1], point[0], plane.origin().height_m);
+            *point = [x_m + place.x_m, y_m + place.y_m];
+        }
+        return Ok(("coordinates are longitude and latitude, in the plane of the log".to_owned(), true));
+    }
+    let is_by_degrees = lengths.is_none();
     let (scale, middle, note) = if let Some((unit, why)) = lengths {
         ([unit.metres(); 2], [0.0, 0.0], format!("coordinates are {}, {why}", unit.name()))
     } else if width.max(height) < MOST_DEGREES {
@@ -134,7 +153,7 @@ fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Re
     for point in lines.iter_mut().flat_map(|line| line.points.iter_mut()) {
         *point = [x_m + (point[0] - middle[0]) * scale[0], y_m + (point[1] - middle[1]) * scale[1]];
     }
-    Ok(note)
+    Ok((note, is_by_degrees))
 }
 
 #[cfg(test)]
@@ -189,6 +208,14 @@ mod tests {
         let plan = plan(text, &FloorPlanOptions::default()).unwrap();
         assert!((plan.length_m() - 111.13 * 48.0_f64.to_radians().cos()).abs() < 0.1, "{}", plan.length_m());
         assert!((plan.walls[0].points_m[0][0] + plan.walls[0].points_m[1][0]).abs() < 2e-3);
+        let in_plane =
+            FloorPlanOptions { plane: Some(LocalPlane::new(48.0, 8.0, 300.0)), ..FloorPlanOptions::default() };
+        let plan = super::plan(text, &in_plane).unwrap();
+        let [[x_m, y_m], [end_m, _]] = plan.walls[0].points_m[..] else { panic!("two corners") };
+        assert!(x_m.abs() < 2e-3 && y_m.abs() < 2e-3 && (end_m - 74.6).abs() < 0.2, "{:?}", plan.walls[0]);
+        let elsewhere =
+            FloorPlanOptions { plane: Some(LocalPlane::new(-33.0, 18.0, 0.0)), ..FloorPlanOptions::default() };
+        assert!(super::plan(text, &elsewhere).unwrap_err().contains("far from the places of the log"));
         for (text, problem) in [
             ("{", "no JSON"),
             ("{}", "no key `type`"),

@@ -17,6 +17,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, PrismConfig, ShapeConfig, WallConfig};
 use sextant_kernel::{Files, SettingError};
+use sextant_logs::LocalPlane;
 use sextant_mapper::convex_hull;
 
 pub use dxf::LengthUnit;
@@ -32,6 +33,8 @@ pub struct FloorPlanOptions {
     pub origin_m: Option<[f64; 2]>,
     /// Unit of lengths of a drawing in DXF, or of GeoJSON that is not in degrees; what the file says if absent.
     pub unit: Option<LengthUnit>,
+    /// The plane in which GeoJSON by longitude and latitude is; round its middle if absent.
+    pub plane: Option<LocalPlane>,
     /// Layers of a drawing in DXF whose lines are walls, by name; all that are visible if empty.
     pub layers: Vec<String>,
     /// Material of the walls that do not say their own.
@@ -50,6 +53,7 @@ impl Default for FloorPlanOptions {
             metres_per_pixel: None,
             origin_m: None,
             unit: None,
+            plane: None,
             layers: Vec::new(),
             material: "brick".to_owned(),
             height_m: sextant_channel::USUAL_HEIGHT_M,
@@ -86,6 +90,8 @@ pub struct FloorPlan {
     pub blocks: Vec<ObstacleConfig>,
     /// What the user should know, above all what was not read.
     pub notes: Vec<String>,
+    /// Whether its places were given by longitude and latitude.
+    pub is_by_degrees: bool,
 }
 
 /// Reads the floor plan `path`: an image (PNG, PGM) in which walls are dark, a map of a robot (`map.yaml` of ROS beside its image), GeoJSON
@@ -139,7 +145,7 @@ fn of_tables(path: &Path) -> Result<FloorPlan, FloorPlanError> {
         .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
     let Tables { world: World { walls, obstacles } } = toml::from_str(&text)
         .map_err(|why| FloorPlanError::Content { path: path.to_owned(), problem: why.to_string() })?;
-    Ok(FloorPlan { walls, blocks: obstacles, notes: Vec::new() })
+    Ok(FloorPlan { walls, blocks: obstacles, ..FloorPlan::default() })
 }
 
 fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {

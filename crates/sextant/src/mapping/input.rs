@@ -204,7 +204,13 @@ impl Input {
     /// # Errors
     /// If the plan cannot be read, or a wall is invalid.
     pub fn lay(&mut self, plan: &Path) -> Result<(), FloorPlanError> {
-        let read = floorplan::read(plan, &FloorPlanOptions::default())?;
+        let read = floorplan::read(plan, &FloorPlanOptions { plane: self.plane, ..FloorPlanOptions::default() })?;
+        if read.is_by_degrees && self.plane.is_none() {
+            let problem = "it is by longitude and latitude, and the log is not: where it lies in the log is not known; convert it with \
+                           `sextant floorplan`, which takes an origin"
+                .to_owned();
+            return Err(FloorPlanError::Content { path: plan.to_owned(), problem });
+        }
         let wrong = |why: SettingError| FloorPlanError::Content { path: plan.to_owned(), problem: why.to_string() };
         self.floor = Some(read.obstacles().map_err(wrong)?);
         self.notes.extend(read.notes.iter().map(|note| format!("{}: {note}", plan.display())));
