@@ -128,6 +128,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         metres_per_pixel: arguments.scale,
         origin_m,
         unit: arguments.unit.map(Unit::length),
+        plane: None,
         layers: arguments.layers.iter().map(|layer| layer.trim().to_owned()).collect(),
         material: arguments.material.clone(),
         height_m: arguments.height,

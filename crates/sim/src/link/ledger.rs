@@ -77,7 +77,9 @@ impl Ledger {
         }
         let packets = &mut self.packets[station.index()];
         packets.count(fate, transmissions);
-        packets.assessments += assessments;
+        // Those of a packet that stays are not known of all technologies.
+        let has_left = !matches!(end, PacketEnd::Pending | PacketEnd::Died);
+        packets.assessments += if has_left { assessments } else { 0 };
         packets.unacknowledged += u64::from(end == PacketEnd::NoAcknowledgement);
         packets.channel_access_failures += u64::from(end == PacketEnd::ChannelAccessFailure);
         if fate == PacketFate::Sent(FrameOutcome::Received) {
