@@ -342,7 +342,7 @@ fn walls_that_nobody_knows_neither_turn_the_antenna_nor_move_the_nodes() {
 /// The four walls of the room, moved by so much along x and against y (m). They reflect with a loss of 9 dB.
 fn walls(moved_m: f64) -> ObstacleField {
     let wall = |[x, y]: [f64; 2], sides: [f64; 2]| {
-        let shape = BoxConfig::new(Position::new(x + moved_m, y - moved_m, -1.5), [sides[0], sides[1], 3.0]);
+        let shape = BoxConfig::new(Position::new(x + moved_m, y - moved_m, 0.0), [sides[0], sides[1], 3.0]);
         let config = ObstacleConfig::of(ShapeConfig::Box(shape), "concrete");
         Obstacle::try_from(config).expect("a sound wall")
     };

@@ -168,7 +168,7 @@ mod tests {
     /// Walls of a room from 0 to 8 m and from 0 to 6 m.
     fn room() -> ObstacleField {
         let wall = |x: f64, y: f64, sides: [f64; 3]| {
-            let shape = BoxConfig::new(Position::new(x, y, -1.5), sides);
+            let shape = BoxConfig::new(Position::new(x, y, 0.0), sides);
             let wall = ObstacleConfig::of(ShapeConfig::Box(shape), "concrete");
             Obstacle::try_from(wall).expect("a wall")
         };
