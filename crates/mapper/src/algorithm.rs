@@ -13,6 +13,7 @@ use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting, Receiv
 use crate::grid_ml::{JointConfig, MlTmConfig, MmTm};
 use crate::joint_path::{PathErrorConfig, PathUse};
 use crate::link_model::LinkModelConfig;
+use crate::log_facts::SectorsConfig;
 use crate::range_ml::RangeMlConfig;
 use crate::ranging::RangingConfig;
 use crate::rss_grid::RssGridConfig;
@@ -113,6 +114,13 @@ macro_rules! estimators {
             pub fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
                 match self {
                     $(Self::$variant(settings) => settings.ranging_mut(),)*
+                }
+            }
+
+            /// How sectors are used, if the settings say so.
+            pub fn sectors_mut(&mut self) -> Option<&mut SectorsConfig> {
+                match self {
+                    $(Self::$variant(settings) => settings.sectors_mut(),)*
                 }
             }
 

@@ -11,6 +11,7 @@ use crate::comparable::Comparable;
 use crate::error::MapError;
 use crate::knowledge::{Knowledge, KnowledgeKind};
 use crate::learned::EstimatorFindings;
+use crate::log_facts::SectorsConfig;
 use crate::parts::{LogParts, PartEstimator, PartsError, map_parts};
 use crate::posterior::Concern;
 use crate::profile::{ProfileConfig, ReceptionProfile};
@@ -278,6 +279,11 @@ pub trait EstimatorSettings {
 
     /// The law that turns signal strengths into distances.
     fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        None
+    }
+
+    /// How sectors are used, by an estimator that uses them.
+    fn sectors_mut(&mut self) -> Option<&mut SectorsConfig> {
         None
     }
 

@@ -353,7 +353,7 @@ impl Candidate<'_> {
                 (map, calibration.map(EstimatorFit::Calibration))
             }
             Self::Pattern(pattern, gains) => {
-                let (map, fit) = pattern.map(log, gains, PATTERN, watch)?;
+                let (map, fit) = pattern.map(log, gains, None, PATTERN, watch)?;
                 (map, fit.map(EstimatorFit::Pattern))
             }
         })

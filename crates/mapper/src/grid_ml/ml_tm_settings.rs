@@ -7,6 +7,7 @@ use super::ml_tm::{MlTm, MlTmConfig};
 #[cfg(feature = "obstacles")]
 use super::obstacle_ml_tm::ObstacleMlTm;
 use crate::estimator::{AnyLog, EstimatorSettings, Mapper, ProfileSetting};
+use crate::log_facts::SectorsConfig;
 use crate::profile::ProfileConfig;
 
 impl EstimatorSettings for MlTmConfig {
@@ -28,6 +29,10 @@ impl EstimatorSettings for MlTmConfig {
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(self).map(Mapper::new),
         }
+    }
+
+    fn sectors_mut(&mut self) -> Option<&mut SectorsConfig> {
+        self.sectors.as_mut()
     }
 
     fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {

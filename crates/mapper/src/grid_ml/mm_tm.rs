@@ -16,7 +16,7 @@ use crate::learned::EstimatorFindings;
 use crate::log_facts::SectorTolerance;
 use crate::log_facts::sectors::GainUse;
 use crate::parts::{FixedLaw, LogParts, PartEstimator, PartsError, each_part};
-use crate::pattern::PatternMap;
+use crate::pattern::{KnownObstacles, PatternMap};
 use crate::profile::{ProfileConfig, ReceptionProfile};
 use crate::surface::Surface;
 use crate::topology_map::TopologyMap;
@@ -72,6 +72,16 @@ impl MmTm {
         log: &ReceptionLog,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        self.map_known(&Knowledge::from(log), watch)
+    }
+
+    /// The same with all that is known.
+    fn map_known(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        let log = knowledge.log;
         let (map, learned) = match &self.0 {
             SectorLikelihood::Given(ml_tm) => {
                 ml_tm.demand_sectors(log, Self::NAME)?;
@@ -79,7 +89,8 @@ impl MmTm {
             }
             SectorLikelihood::Fitted(fitted) => match gains_of(fitted, log, log.receptions().sectors().is_some())? {
                 Some(gains) => {
-                    let (map, fit) = pattern(fitted).map(log, gains, Self::NAME, watch)?;
+                    let (map, fit) =
+                        pattern(fitted).map(log, gains, known_obstacles(fitted, knowledge)?, Self::NAME, watch)?;
                     (map, fit.map(EstimatorFindings::new))
                 }
                 None => {
@@ -112,6 +123,23 @@ fn gains_of<'a>(
         gains => Ok(gains
             .filter(|gains| use_of_gains == GainUse::Needed || gains.antenna().is_measured() || log.has_headings())),
     }
+}
+
+/// The obstacles, if the settings say that they are known.
+#[cfg(feature = "obstacles")]
+fn known_obstacles<'a>(
+    fitted: &FittedMlTm,
+    knowledge: &Knowledge<'a>,
+) -> Result<Option<KnownObstacles<'a>>, MapError> {
+    let of = |law| Ok(KnownObstacles { law, field: knowledge.obstacles(MmTm::NAME)? });
+    fitted.sectors().ways.map(of).transpose()
+}
+
+/// No obstacles are known without the feature.
+#[cfg(not(feature = "obstacles"))]
+#[expect(clippy::unnecessary_wraps, reason = "the same as with the feature")]
+fn known_obstacles<'a>(_: &FittedMlTm, _: &Knowledge<'a>) -> Result<Option<KnownObstacles<'a>>, MapError> {
+    Ok(None)
 }
 
 /// The map by gains with the settings of a grid.
@@ -159,7 +187,12 @@ impl Estimator for MmTm {
     }
 
     fn uses(&self) -> &'static [KnowledgeKind] {
-        uses_under(self.profile())
+        match &self.0 {
+            SectorLikelihood::Fitted(fitted) if fitted.sectors().ways.is_some() => {
+                &[KnowledgeKind::RobotReceptions, KnowledgeKind::Obstacles]
+            }
+            SectorLikelihood::Given(_) | SectorLikelihood::Fitted(_) => uses_under(self.profile()),
+        }
     }
 
     fn profile(&self) -> Option<&ReceptionProfile> {
@@ -197,7 +230,7 @@ impl Estimator for MmTm {
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
-        self.map(knowledge.log, watch)
+        self.map_known(knowledge, watch)
     }
 }
 
@@ -230,7 +263,10 @@ impl PartEstimator for MmTm {
                     Ok(())
                 })?;
                 match gains_of(fitted, parts.whole(), has_sectors)? {
-                    Some(gains) => pattern(fitted).fix(parts, gains, Self::NAME, watch),
+                    Some(gains) => {
+                        let known = known_obstacles(fitted, knowledge)?;
+                        pattern(fitted).fix(parts, gains, known, Self::NAME, watch)
+                    }
                     None => fitted.fix_for(parts, knowledge, Some(Self::NAME), watch),
                 }
             }

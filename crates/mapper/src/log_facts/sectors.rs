@@ -1,7 +1,15 @@
 //! How the antenna sector in which a node was heard is used.
 
-use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
+use sextant_channel::{
+    ChannelConfig, ChannelLaw, CloseInConfig, EvenSectorsConfig, LogError, PathLossConfig, ReceptionLog,
+    ReflectionsConfig, SectorConfig, SectorTable,
+};
 use sextant_kernel::SettingError;
+
+use crate::profile::ObstacleUse;
+
+/// The carrier of radios with sectors, if nothing tells another one (GHz): channel 2 of IEEE 802.11ad.
+const CARRIER_GHZ: f64 = 60.48;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +29,17 @@ pub struct SectorsConfig {
     /// the antenna and the profile is fitted, otherwise `wedge`.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub model: Option<SectorModel>,
+    /// Whether the map knows the obstacles of the world. If so, sectors have the gains of all ways among them: straight, less what
+    /// they absorb, and reflected. Only with `model = "gains"`.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "ObstacleUse::is_unknown"))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "unknown")))]
+    pub obstacles: ObstacleUse,
+    /// Carrier at which known obstacles absorb and reflect (GHz). If absent: that of the channel in a scenario, otherwise 60.48.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub carrier_ghz: Option<f64>,
+    /// How known obstacles reflect. If absent: as the channel of a scenario says, otherwise by their materials, each signal once.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub reflections: Option<ReflectionsConfig>,
 }
 
 /// How likely a node names a sector, given the direction to it.
@@ -125,6 +144,8 @@ pub(crate) struct SectorSettings {
     /// If the probabilities of sectors count.
     pub(crate) soft: Option<SoftSectorsConfig>,
     pub(crate) gains: GainUse,
+    /// How signals go among known obstacles, if they count.
+    pub(crate) ways: Option<ChannelLaw>,
 }
 
 impl SectorSettings {
@@ -148,7 +169,9 @@ impl SectorSettings {
 impl TryFrom<SectorsConfig> for SectorSettings {
     type Error = SettingError;
 
-    fn try_from(SectorsConfig { tolerance, layout, silence, model }: SectorsConfig) -> Result<Self, SettingError> {
+    fn try_from(config: SectorsConfig) -> Result<Self, SettingError> {
+        let ways = ways(&config)?;
+        let SectorsConfig { tolerance, layout, silence, model, .. } = config;
         let layout = match layout {
             None => None,
             Some(SectorLayoutConfig::Even(even)) => {
@@ -175,6 +198,33 @@ impl TryFrom<SectorsConfig> for SectorSettings {
                 Some(soft)
             }
         };
-        Ok(Self { tolerance, layout, silence, soft, gains })
+        Ok(Self { tolerance, layout, silence, soft, gains, ways })
     }
+}
+
+/// How signals go among obstacles, if they are known.
+fn ways(config: &SectorsConfig) -> Result<Option<ChannelLaw>, SettingError> {
+    if config.obstacles == ObstacleUse::Unknown {
+        let needless = [("carrier_ghz", config.carrier_ghz.is_some()), ("reflections", config.reflections.is_some())];
+        return match needless.iter().find(|(_, is_given)| *is_given) {
+            Some((key, _)) => {
+                Err(SettingError::conflict(*key, "obstacles that are unknown", "write `obstacles = \"known\"`"))
+            }
+            None => Ok(None),
+        };
+    }
+    if config.model != Some(SectorModel::Gains) {
+        return Err(SettingError::conflict("obstacles", "another model than gains", "write `model = \"gains\"`"));
+    }
+    let carrier_ghz = SettingError::in_range("carrier_ghz", config.carrier_ghz.unwrap_or(CARRIER_GHZ), 0.1, 1000.0)?;
+    let path_loss = CloseInConfig { carrier_ghz: Some(carrier_ghz), exponent: Some(2.0), ..CloseInConfig::default() };
+    // Ways round edges keep no image.
+    let reflections = ReflectionsConfig { edges: false, ..config.reflections.unwrap_or_default() };
+    let channel = ChannelConfig {
+        environment: None,
+        path_loss: Some(PathLossConfig::CloseIn(path_loss)),
+        reflections: Some(reflections),
+        ..ChannelConfig::default()
+    };
+    ChannelLaw::try_from(channel).map(Some)
 }

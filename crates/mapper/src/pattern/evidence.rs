@@ -6,16 +6,21 @@ use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
 use super::blur::Blur;
-use super::gain_map::{Directions, GainCell, GainMap, Names, Tops};
+use super::gain_map::{ANY, Directions, GainCell, GainMap, Names, Tops};
 use super::law::PatternLaw;
 use super::report_law::{Report, ReportTables};
 use super::report_views::{ReportFit, ReportView};
+use super::way_gains::{SeenPlace, WayGains};
+use super::ways::KnownWays;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::decades::Decades;
-use crate::numerics::normal::{Normal, density};
+use crate::numerics::normal::{Normal, density, logistic_scale};
 
 /// Nodes are at least so far from a stop (m): the law has no meaning on the antenna itself.
-const NEAREST_M: f64 = 0.1;
+pub(super) const NEAREST_M: f64 = 0.1;
+
+/// A gain by which any link is strong enough (dB).
+const STRONG_DB: f64 = 200.0;
 
 /// What a node said of the sectors that it heard.
 #[derive(Clone, Debug)]
@@ -31,6 +36,8 @@ pub(super) enum SectorsHeard {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Naming<'a> {
     pub(super) place: Position,
+    /// The number of the stop.
+    pub(super) stop: usize,
     pub(super) robot: Pose,
     pub(super) heard: &'a SectorsHeard,
     /// Probability of the place.
@@ -65,9 +72,37 @@ pub(crate) fn of_report(report: &[(usize, f64)], gain: impl Fn(usize) -> f64, no
     -0.5 * report.iter().map(square).sum::<f64>() - (count - 1.0) * libm::log(noise_db)
 }
 
+/// As how much of a report each of its sectors counts.
+fn told(report: &Report) -> f64 {
+    (TOLD / (report.present.len() as f64 + UNTOLD)).min(1.0)
+}
+
+/// The log-probability that a sector is named, of sectors with these gains and this noise (dB).
+fn ln_name(gains_dbi: &[f64], sector: usize, noise_db: f64) -> f64 {
+    let scale_db = logistic_scale(noise_db);
+    let sum: f64 = gains_dbi.iter().map(|gain| libm::exp(((gain - gains_dbi[sector]) / scale_db).min(40.0))).sum();
+    libm::log((1.0 - ANY) / sum + ANY / gains_dbi.len() as f64)
+}
+
+/// The gains of all sectors by known ways.
+struct SectorPowers<'a> {
+    /// Of all ways together, with the ripple (dBi).
+    dbi: &'a [f64],
+    /// The share that was reflected.
+    reflected: &'a [f64],
+}
+
+impl SectorPowers<'_> {
+    fn top_dbi(&self) -> f64 {
+        self.dbi.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 /// A stop that is evidence on a node.
 #[derive(Clone, Debug)]
 pub(super) struct ListeningStop {
+    /// Its number.
+    pub(super) stop: usize,
     pub(super) pose: Pose,
     pub(super) received: i32,
     pub(super) missed: i32,
@@ -135,6 +170,7 @@ impl PatternEvidence {
                 let heard =
                     if received > 0 { heard(log, node, entry.as_ref(), columns) } else { SectorsHeard::Nothing };
                 listeners.push(ListeningStop {
+                    stop: index as usize,
                     pose: Pose::of(stop),
                     received: count(received),
                     missed: count(sent - received),
@@ -206,6 +242,20 @@ pub(super) struct PatternLikelihood<'a> {
     variance: f64,
     tables: &'a PatternTables,
     turn: Turn,
+    /// The ways among known obstacles, if they count.
+    ways: Option<&'a KnownWays>,
+}
+
+/// What a stop says of a node at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Prospect {
+    /// Distance (decades of a metre).
+    pub(super) decades: f64,
+    /// The greatest gain of all sectors (dBi), or more than any link needs if its strength is known.
+    pub(super) gain_db: f64,
+    /// Strength of the straight way without gain, if the node told it (dB), and the probability that this way is open.
+    pub(super) level_db: Option<f64>,
+    pub(super) open: f64,
 }
 
 /// How far an antenna is turned.
@@ -235,6 +285,14 @@ pub(super) struct Pose {
 }
 
 impl Pose {
+    /// A direction of the world as an antenna sees it that is turned on the robot by `mount`.
+    #[inline]
+    pub(super) fn seen(&self, direction: Position, mount: Turn) -> [f64; 3] {
+        let Turn { cos, sin } = mount.after(self.turn);
+        let Position { x_m, y_m, z_m } = direction;
+        [cos * x_m + sin * y_m, cos * y_m - sin * x_m, z_m]
+    }
+
     /// That at a stop. Without a heading the robot is not turned.
     pub(super) fn of(stop: &Stop) -> Self {
         Self { place: stop.position, turn: stop.heading_rad.map_or(Turn { cos: 1.0, sin: 0.0 }, Turn::by) }
@@ -253,14 +311,9 @@ impl Sight {
     /// How `place` is seen by a robot whose antenna is turned on it by `mount`.
     #[inline]
     pub(super) fn of(place: Position, robot: &Pose, mount: Turn, directions: Directions) -> Self {
-        let Turn { cos, sin } = mount.after(robot.turn);
         let apart = place - robot.place;
         let square = apart.dot(apart);
-        let direction = if square > 1e-18 {
-            [cos * apart.x_m + sin * apart.y_m, cos * apart.y_m - sin * apart.x_m, apart.z_m]
-        } else {
-            [1.0, 0.0, 0.0]
-        };
+        let direction = if square > 1e-18 { robot.seen(apart, mount) } else { [1.0, 0.0, 0.0] };
         Self { cell: directions.cell(direction), square: square.max(NEAREST_M * NEAREST_M) }
     }
 }
@@ -276,7 +329,12 @@ impl<'a> PatternLikelihood<'a> {
     ) -> Self {
         let turn = Turn::by(law.yaw_rad);
         let variance = law.sigma_db * law.sigma_db + blur.extra_db() * blur.extra_db();
-        Self { law, map, of_law, blur, variance, tables, turn }
+        Self { law, map, of_law, blur, variance, tables, turn, ways: None }
+    }
+
+    /// The same among known obstacles, if there are any.
+    pub(super) fn among(self, ways: Option<&'a KnownWays>) -> Self {
+        Self { ways, ..self }
     }
 
     /// Whether it is not blurred.
@@ -296,13 +354,96 @@ impl<'a> PatternLikelihood<'a> {
         self.of_law.tops.get_or_init(|| self.map.tops(self.law, self.blur.radius())).dbi(cell)
     }
 
+    /// What a stop says of a node at `place`.
+    pub(super) fn prospect(&self, listener: &ListeningStop, place: Position) -> Prospect {
+        let sight = self.sight(place, &listener.pose);
+        let decades = self.tables.decades.of_root(sight.square);
+        if let Some(ways) = self.ways {
+            return self.along(ways, listener, place, |gains| self.prospect_of(listener, decades, gains));
+        }
+        let (level_db, open) = match &listener.heard {
+            SectorsHeard::Nothing => (None, 1.0),
+            SectorsHeard::Named(sector, snr_db) => {
+                (snr_db.map(|snr_db| self.level_of_name(*sector, snr_db, sight.cell)), 1.0)
+            }
+            SectorsHeard::Reported(report) => {
+                let fit = self.report(report, sight.cell, decades);
+                (Some(fit.level_db), self.law.reports.mixed(fit.ln_open, report.ln_blocked)[1])
+            }
+        };
+        let gain_db = if level_db.is_some() { STRONG_DB } else { self.top_dbi(sight.cell) };
+        Prospect { decades, gain_db, level_db, open }
+    }
+
+    /// The same where the sectors have these gains.
+    fn prospect_of(&self, listener: &ListeningStop, decades: f64, gains: &SectorPowers<'_>) -> Prospect {
+        let (level_db, open) = match &listener.heard {
+            SectorsHeard::Nothing => (None, 1.0),
+            SectorsHeard::Named(sector, snr_db) => (snr_db.map(|snr_db| snr_db - gains.dbi[*sector]), 1.0),
+            SectorsHeard::Reported(report) => {
+                let fit = self.report_of(report, decades, gains);
+                (Some(fit.level_db), self.law.reports.mixed(fit.ln_open, report.ln_blocked)[1])
+            }
+        };
+        let gain_db = if level_db.is_some() { STRONG_DB } else { gains.top_dbi() };
+        Prospect { decades, gain_db, level_db, open }
+    }
+
+    /// What `act` makes of the gains of all sectors, with their ripple, by the known ways from a stop to `place`.
+    #[inline]
+    fn along<T>(
+        &self,
+        ways: &KnownWays,
+        listener: &ListeningStop,
+        place: Position,
+        act: impl FnOnce(&SectorPowers<'_>) -> T,
+    ) -> T {
+        let (mut gains, mut reflected) = ([0.0; 256], [0.0; 256]);
+        let sectors = self.map.sectors();
+        let (gains, reflected) = (&mut gains[..sectors], &mut reflected[..sectors]);
+        let of_ways = WayGains { map: self.map, ways, mount: self.turn, exponent: self.law.exponent };
+        of_ways.towards(SeenPlace { stop: listener.stop, robot: &listener.pose, place }, gains, reflected);
+        gains.iter_mut().zip(&self.law.ripple_db).for_each(|(gain, ripple)| *gain += ripple);
+        act(&SectorPowers { dbi: gains, reflected })
+    }
+
+    fn report_of(&self, report: &Report, decades: f64, gains: &SectorPowers<'_>) -> ReportFit {
+        let view = self.reports().view_reflected(report, gains.dbi, gains.reflected, self.variance);
+        view.fit(self.expected_db(decades), self.variance)
+    }
+
+    /// The log-likelihood of what a stop says of a node at `place`, among known obstacles.
+    fn at_stop(&self, ways: &KnownWays, listener: &ListeningStop, place: Position) -> f64 {
+        let decades = self.tables.decades.of_root(self.sight(place, &listener.pose).square);
+        self.along(ways, listener, place, |gains| {
+            let mut sum = 0.0;
+            match &listener.heard {
+                SectorsHeard::Reported(report) => {
+                    let ReportFit { ln_open, .. } = self.report_of(report, decades, gains);
+                    return self.law.reports.mixed(ln_open, report.ln_blocked)[0] * told(report);
+                }
+                SectorsHeard::Named(sector, snr_db) => {
+                    let noise_db = libm::hypot(self.law.noise_db, self.blur.extra_db());
+                    sum += ln_name(gains.dbi, *sector, noise_db);
+                    if let Some(snr_db) = snr_db {
+                        return sum + self.ln_strength_of(snr_db - gains.dbi[*sector], decades);
+                    }
+                }
+                SectorsHeard::Nothing => {}
+            }
+            let s = self.law.heard(&self.tables.normal, gains.top_dbi(), decades);
+            sum + f64::from(listener.received) * libm::log(s) + f64::from(listener.missed) * libm::log(1.0 - s)
+        })
+    }
+
     fn names(&self) -> &Names {
         self.of_law.names.get_or_init(|| self.map.names(self.law, self.blur.radius()))
     }
 
     fn reports(&self) -> &ReportTables {
         self.of_law.reports.get_or_init(|| {
-            ReportTables::new(&self.law.reports, libm::hypot(self.law.noise_db, self.blur.extra_db()))
+            let tables = ReportTables::new(&self.law.reports, libm::hypot(self.law.noise_db, self.blur.extra_db()));
+            if self.ways.is_some() { tables.with_reflections() } else { tables }
         })
     }
 
@@ -342,8 +483,13 @@ impl<'a> PatternLikelihood<'a> {
 
     /// The log-likelihood of the strength of a named sector.
     fn ln_strength(&self, sector: usize, snr_db: f64, cell: GainCell, decades: f64) -> f64 {
+        self.ln_strength_of(self.level_of_name(sector, snr_db, cell), decades)
+    }
+
+    /// The same of the strength without gain that it tells (dB).
+    fn ln_strength_of(&self, level_db: f64, decades: f64) -> f64 {
         let sigma_db = (self.variance + self.law.noise_db * self.law.noise_db).sqrt();
-        let off = (self.level_of_name(sector, snr_db, cell) - self.expected_db(decades)) / sigma_db;
+        let off = (level_db - self.expected_db(decades)) / sigma_db;
         libm::log((1.0 - ODD) * density(off) / sigma_db + ODD / ODD_WIDTH_DB)
     }
 
@@ -351,14 +497,17 @@ impl<'a> PatternLikelihood<'a> {
     pub(super) fn at(&self, evidence: &PatternEvidence, place: Position) -> f64 {
         let (mut sum, mut product) = (evidence.surveyed.ln_prior(place), 1.0_f64);
         for listener in &evidence.listeners {
+            if let Some(ways) = self.ways {
+                sum += self.at_stop(ways, listener, place);
+                continue;
+            }
             let sight = self.sight(place, &listener.pose);
             let decades = self.tables.decades.of_root(sight.square);
             // A strength tells more of the link than the packets that it brought.
             match &listener.heard {
                 SectorsHeard::Reported(report) => {
                     let ReportFit { ln_open, .. } = self.report(report, sight.cell, decades);
-                    let told = TOLD / (report.present.len() as f64 + UNTOLD);
-                    sum += self.law.reports.mixed(ln_open, report.ln_blocked)[0] * told.min(1.0);
+                    sum += self.law.reports.mixed(ln_open, report.ln_blocked)[0] * told(report);
                     continue;
                 }
                 SectorsHeard::Named(sector, snr_db) => {

@@ -8,13 +8,15 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::blur::Blur;
-use super::evidence::{LawTables, Naming, PatternEvidence, PatternLikelihood, PatternTables, SectorsHeard};
+use super::evidence::{LawTables, Naming, PatternEvidence, PatternLikelihood, PatternTables, Prospect, SectorsHeard};
 use super::gain_map::GainMap;
 use super::hearing::{self, LevelTrial, PacketTrial, Trials};
 use super::law::PatternLaw;
-use super::naming::{self, TURN_RAD, TurnOfRound};
+use super::naming::{self, Scenery, TURN_RAD, TurnOfRound};
 use super::places::{self, CellPosterior, Look};
+use super::report_law::ReportLaw;
 use super::scene::AntennaScene;
+use super::ways::KnownWays;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
 
@@ -29,6 +31,8 @@ const TURN_NODES: usize = 4;
 const SAMPLE: usize = 12;
 /// Most rounds.
 const ROUNDS: u32 = 15;
+/// Rounds before known obstacles count: a rough law is found without them, at less cost.
+const OPEN_ROUNDS: u32 = 3;
 /// Steps of the search for the turn in a round.
 const TURN_STEPS: u32 = 9;
 /// The law has settled if nothing changes by more than this in a round (dB, degrees).
@@ -46,8 +50,6 @@ const FIRST_LAWS: f64 = 40.0;
 /// for or against it by so much at most: three nodes at least must agree.
 const TURNED: f64 = 10.0;
 const OF_NODE: f64 = 4.0;
-/// A gain by which any link is strong enough (dB).
-const STRONG_DB: f64 = 200.0;
 /// Steps of the grid over the reach, while the law is estimated.
 const STEPS_PER_REACH: f64 = 25.0;
 
@@ -112,24 +114,41 @@ pub(super) struct Likelihoods {
     of_law: Arc<[LawTables; Blur::COUNT]>,
     tables: Arc<PatternTables>,
     reach_m: f64,
+    ways: WaysOfLaw,
+}
+
+/// Which ways of signals a law counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WaysOfLaw {
+    /// The straight one in the open. Others are noise.
+    Straight,
+    /// All among known obstacles, if any are known.
+    Known,
 }
 
 impl Likelihoods {
-    pub(super) fn new(law: PatternLaw, map: &GainMap) -> Self {
+    pub(super) fn new(law: PatternLaw, map: &GainMap, ways: WaysOfLaw) -> Self {
         let ripple = law.ripple_db.iter().copied().fold(0.0, f64::max);
         let reach_m = law.reach_m(map.greatest_dbi() + ripple);
-        Self { law, of_law: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m }
+        Self { law, of_law: Arc::default(), tables: Arc::new(PatternTables::new()), reach_m, ways }
     }
 
     /// Those of a law with the same noise and ripple.
     fn of_other(&self, law: PatternLaw, map: &GainMap) -> Self {
         let reach_m = law.reach_m(map.greatest_dbi());
-        Self { law, of_law: Arc::clone(&self.of_law), tables: Arc::clone(&self.tables), reach_m }
+        Self { law, of_law: Arc::clone(&self.of_law), tables: Arc::clone(&self.tables), reach_m, ways: self.ways }
     }
 
     /// The likelihood with a blur.
-    pub(super) fn blurred<'a>(&'a self, map: &'a GainMap, blur: Blur) -> PatternLikelihood<'a> {
-        PatternLikelihood::new(&self.law, map, &self.of_law[blur.level()], blur, &self.tables)
+    fn blurred<'a>(&'a self, scene: &'a AntennaScene, blur: Blur) -> PatternLikelihood<'a> {
+        let likelihood =
+            PatternLikelihood::new(&self.law, &scene.map, &self.of_law[blur.level()], blur, &self.tables);
+        likelihood.among(self.known_ways(scene))
+    }
+
+    /// The ways among known obstacles, if they count.
+    fn known_ways<'a>(&self, scene: &'a AntennaScene) -> Option<&'a KnownWays> {
+        scene.ways.as_ref().filter(|_| self.ways == WaysOfLaw::Known)
     }
 
     /// The posterior of a node in a box, with its evidence.
@@ -154,7 +173,7 @@ impl Likelihoods {
     ) -> Option<CellPosterior> {
         let of_step = |width_m: f64| {
             let angle = 0.5 * width_m / (SEEN_FROM * scene.reach_m);
-            self.blurred(&scene.map, Blur::of_angle(angle))
+            self.blurred(scene, Blur::of_angle(angle))
         };
         places::find(&of_step, evidence, within, step_m, look)
     }
@@ -227,7 +246,7 @@ impl SectorSurvey<'_> {
     fn first(&self, nodes: &[(NodeId, SearchBox)], watch: &dyn Watch) -> Result<PatternLaw, MapError> {
         let usual_db = 20.0 * libm::log10(self.scene.reach_m) - self.scene.map.usual_dbi();
         let widest_db = MARGINS_DB.into_iter().fold(0.0, f64::max);
-        let guess = Likelihoods::new(self.guess(usual_db + widest_db), &self.scene.map);
+        let guess = Likelihoods::new(self.guess(usual_db + widest_db), &self.scene.map, WaysOfLaw::Straight);
         let margins = MARGINS_DB.map(|off_db| self.guess(usual_db + off_db));
         let best = self.likeliest(&guess, margins.into_iter(), &mut self.in_boxes(nodes, guess.reach_m));
         watch.check()?;
@@ -255,8 +274,8 @@ impl SectorSurvey<'_> {
 
     /// The yaw of a law under which some nodes are the likeliest, over all their places. Reports of all sectors hold places so
     /// fast at the yaw of the round before that the antenna would not turn without them.
-    fn likeliest_yaw(&self, law: &PatternLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
-        let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
+    fn likeliest_yaw(&self, law: &PatternLaw, ways: WaysOfLaw, nodes: &[(NodeId, SearchBox)]) -> f64 {
+        let likelihoods = Likelihoods::new(law.clone(), &self.scene.map, ways);
         let mut in_boxes = self.in_boxes(nodes, likelihoods.reach_m);
         let turned = |yaw_rad: f64| {
             self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut in_boxes, Look::Whole).value
@@ -283,33 +302,20 @@ impl SectorSurvey<'_> {
         };
         let is_turned = law.yaw_rad != 0.0;
         let settled_db = if self.log.has_sector_snrs() { SETTLED_OF_REPORTS_DB } else { SETTLED_DB };
+        let mut ways = WaysOfLaw::Straight;
         while found.rounds < ROUNDS && !found.is_settled {
-            let likelihoods = Likelihoods::new(law.clone(), &self.scene.map);
+            let likelihoods = Likelihoods::new(law.clone(), &self.scene.map, ways);
             let each: Vec<_> = nodes.par_iter().map(|node| likelihoods.places(self, node, self.step_m())).collect();
             watch.check()?;
             let (mut trials, mut namings) = (Trials::default(), Vec::new());
-            let finest = likelihoods.blurred(&self.scene.map, Blur::NONE);
+            let finest = likelihoods.blurred(self.scene, Blur::NONE);
             for (evidence, places) in each.iter().flatten() {
                 let sample = places.sample(SAMPLE);
                 let whole_weight = 1.0 / sample.len().max(1) as f64;
                 let likeliest = places.refined(&finest, evidence);
                 for listener in &evidence.listeners {
                     for &place in &sample {
-                        let sight = finest.sight(place, &listener.pose);
-                        let decades = likelihoods.tables.decades.of_root(sight.square);
-                        let (level_db, open) = match &listener.heard {
-                            SectorsHeard::Nothing => (None, 1.0),
-                            SectorsHeard::Named(sector, snr_db) => {
-                                (snr_db.map(|snr_db| finest.level_of_name(*sector, snr_db, sight.cell)), 1.0)
-                            }
-                            SectorsHeard::Reported(report) => {
-                                let fit = finest.report(report, sight.cell, decades);
-                                let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
-                                (Some(fit.level_db), open)
-                            }
-                        };
-                        // A link of known strength was strong enough.
-                        let gain_db = if level_db.is_some() { STRONG_DB } else { finest.top_dbi(sight.cell) };
+                        let Prospect { decades, gain_db, level_db, open } = finest.prospect(listener, place);
                         trials.packets.push(PacketTrial {
                             gain_db,
                             decades,
@@ -322,24 +328,23 @@ impl SectorSurvey<'_> {
                         }
                         let weight = whole_weight * open;
                         trials.levels.extend(level_db.map(|level_db| LevelTrial { level_db, decades, weight }));
-                        let (robot, heard) = (listener.pose, &listener.heard);
+                        let (stop, robot, heard) = (listener.stop, listener.pose, &listener.heard);
                         if matches!(heard, SectorsHeard::Named(..)) {
-                            namings.push(Naming { place, robot, heard, whole_weight, weight, level_db: 0.0 });
+                            namings.push(Naming { place, stop, robot, heard, whole_weight, weight, level_db: 0.0 });
                         }
                     }
                     // A report tells the antenna more than a place that stands for many: its noise would be that of the places.
-                    if let SectorsHeard::Reported(report) = &listener.heard {
-                        let sight = finest.sight(likeliest, &listener.pose);
-                        let fit = finest.report(report, sight.cell, likelihoods.tables.decades.of_root(sight.square));
-                        let [_, open] = law.reports.mixed(fit.ln_open, report.ln_blocked);
-                        let (robot, heard, level_db) = (listener.pose, &listener.heard, fit.level_db);
+                    if let SectorsHeard::Reported(_) = &listener.heard {
+                        let Prospect { level_db, open, .. } = finest.prospect(listener, likeliest);
+                        let (stop, robot, heard) = (listener.stop, listener.pose, &listener.heard);
                         namings.push(Naming {
                             place: likeliest,
+                            stop,
                             robot,
                             heard,
                             whole_weight: 1.0,
                             weight: open,
-                            level_db,
+                            level_db: level_db.unwrap_or(0.0),
                         });
                     }
                 }
@@ -349,15 +354,24 @@ impl SectorSurvey<'_> {
             // With reports, places hold the turn: it is sought over all places below.
             let is_by_names = is_turned && !self.log.has_sector_snrs();
             let turn = if is_by_names { TurnOfRound::Improved } else { TurnOfRound::Kept };
-            naming::improve(&mut law, &self.scene.map, &namings, turn, &mut found.ripple_sigma_db);
+            let scenery = Scenery { map: &self.scene.map, ways: likelihoods.known_ways(self.scene) };
+            naming::improve(&mut law, scenery, &namings, turn, &mut found.ripple_sigma_db);
             if is_turned && self.log.has_sector_snrs() {
-                law.yaw_rad = self.likeliest_yaw(&law, &few(nodes, TURN_NODES));
+                law.yaw_rad = self.likeliest_yaw(&law, ways, &few(nodes, TURN_NODES));
             }
             found.rounds += 1;
             let is_named = |naming: &&Naming<'_>| matches!(naming.heard, SectorsHeard::Named(..));
             let named = namings.iter().filter(is_named).count();
             found.namings = namings.len() - named + named / SAMPLE;
             found.is_settled = law.change_db(&before) < settled_db;
+            if self.scene.ways.is_some()
+                && ways == WaysOfLaw::Straight
+                && (found.is_settled || found.rounds >= OPEN_ROUNDS)
+            {
+                // What comes by known ways is no addition any more.
+                law.reports = ReportLaw::guess();
+                (ways, found.is_settled) = (WaysOfLaw::Known, false);
+            }
             watch.advance(1);
         }
         found.law = law;

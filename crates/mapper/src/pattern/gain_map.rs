@@ -37,6 +37,8 @@ pub(super) struct GainMap {
     directions: Directions,
     sectors: usize,
     gains_dbi: Vec<f32>,
+    /// The same as factors; empty if nobody asks for them.
+    powers: Vec<f32>,
     greatest_dbi: f64,
 }
 
@@ -138,7 +140,30 @@ impl GainMap {
         let gains_dbi: Vec<Vec<f32>> = directions.corners().into_par_iter().map_init(Vec::new, of_corner).collect();
         let gains_dbi = gains_dbi.concat();
         let greatest_dbi = f64::from(highest(&gains_dbi));
-        Self { directions, sectors, gains_dbi, greatest_dbi }
+        Self { directions, sectors, gains_dbi, powers: Vec::new(), greatest_dbi }
+    }
+
+    /// The same, also with factors.
+    pub(super) fn with_powers(self) -> Self {
+        let factor = |gain: &f32| single(libm::pow(10.0, 0.1 * f64::from(*gain)));
+        Self { powers: self.gains_dbi.par_iter().map(factor).collect(), ..self }
+    }
+
+    /// Adds `weight` times the gains of all sectors, as factors, to `sums`.
+    #[inline]
+    pub(super) fn add_powers(&self, cell: GainCell, weight: f64, sums: &mut [f64]) {
+        let mut add = |corner: usize, share: f64| {
+            let row = &self.powers[corner * self.sectors..(corner + 1) * self.sectors];
+            sums.iter_mut().zip(row).for_each(|(sum, &power)| *sum += share * f64::from(power));
+        };
+        let GainCell { corner, right, up } = cell;
+        let of_row = weight * (1.0 - up);
+        add(corner, of_row * (1.0 - right));
+        add(corner + 1, of_row * right);
+        if up > 0.0 {
+            add(corner + CORNERS, weight * up * (1.0 - right));
+            add(corner + CORNERS + 1, weight * up * right);
+        }
     }
 
     /// The directions that it covers.

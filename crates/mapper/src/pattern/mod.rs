@@ -23,6 +23,8 @@ mod report_views;
 mod scene;
 mod settled;
 mod tiles;
+mod way_gains;
+mod ways;
 
 use sextant_channel::{Position, ReceptionLog, SectorGains, Stop};
 use sextant_kernel::Watch;
@@ -40,6 +42,7 @@ pub use law::PatternLaw;
 pub use report_law::ReportLaw;
 use scene::{AntennaScene, LeastStrengths};
 use settled::SettledLaw;
+pub(crate) use ways::KnownObstacles;
 
 /// How a log with known gains is mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +73,8 @@ pub struct PatternFit {
     tables: PatternTables,
     /// The greatest gain of any sector in the median direction (dBi).
     usual_dbi: f64,
+    /// Whether obstacles were known.
+    knows_ways: bool,
 }
 
 impl PartialEq for PatternFit {
@@ -97,7 +102,7 @@ impl PatternFit {
 
 impl PatternMap {
     /// The map of the nodes in `log` by the gains of its sectors, and the law that was estimated; none if nothing was
-    /// heard. `name` is the algorithm. The result is bit-identical for any number of threads.
+    /// heard. Obstacles that are `known` count. `name` is the algorithm. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// If `watch` ends the work.
@@ -105,6 +110,7 @@ impl PatternMap {
         &self,
         log: &ReceptionLog,
         gains: &SectorGains,
+        known: Option<KnownObstacles<'_>>,
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<PatternFit>), MapError> {
@@ -116,6 +122,7 @@ impl PatternMap {
             let places = vec![None; log.node_count()];
             return Ok((TopologyMap::of_places(name, places, CoordinateFrame::World), None));
         };
+        let scene = scene.among(known, log);
         let sample = thinned(&scene.boxes(&heard));
         let settled = SettledLaw::of(*self, scene, log, &sample, name, watch)?;
         let map = settled.map(log, &heard, name, watch)?;

@@ -6,6 +6,8 @@ use super::evidence::{Naming, SectorsHeard, Sight, Turn};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
 use super::report_sums::ReportSums;
+use super::way_gains::{SeenPlace, WayGains};
+use super::ways::KnownWays;
 use crate::numerics::normal::logistic_scale;
 
 /// Steps of Newton's method for the ripple, in a round.
@@ -24,22 +26,53 @@ pub(super) const TURN_RAD: f64 = 0.07;
 struct Gains {
     sectors: usize,
     dbi: Vec<f64>,
+    /// How much of them was reflected by known obstacles, as shares; empty if none are known.
+    reflected: Vec<f64>,
+}
+
+/// The gains of all sectors for a naming.
+#[derive(Clone, Copy)]
+pub(super) struct GainRow<'a> {
+    pub(super) dbi: &'a [f64],
+    /// How much of them was reflected by known obstacles; empty if none are known.
+    pub(super) reflected: &'a [f64],
+}
+
+/// The antenna, and the ways to places among known obstacles, if there are any.
+#[derive(Clone, Copy)]
+pub(super) struct Scenery<'a> {
+    pub(super) map: &'a GainMap,
+    pub(super) ways: Option<&'a KnownWays>,
 }
 
 impl Gains {
-    fn of(map: &GainMap, namings: &[Naming<'_>], yaw_rad: f64) -> Self {
+    fn of(Scenery { map, ways }: Scenery<'_>, namings: &[Naming<'_>], law: &PatternLaw, yaw_rad: f64) -> Self {
         let turn = Turn::by(yaw_rad);
         let sectors = map.sectors();
+        if let Some(ways) = ways {
+            let of_ways = WayGains { map, ways, mount: turn, exponent: law.exponent };
+            let (mut dbi, mut reflected) = (vec![0.0; namings.len() * sectors], vec![0.0; namings.len() * sectors]);
+            for ((naming, dbi), reflected) in
+                namings.iter().zip(dbi.chunks_mut(sectors)).zip(reflected.chunks_mut(sectors))
+            {
+                let &Naming { stop, ref robot, place, .. } = naming;
+                of_ways.towards(SeenPlace { stop, robot, place }, dbi, reflected);
+            }
+            return Self { sectors, dbi, reflected };
+        }
         let mut dbi = Vec::with_capacity(namings.len() * sectors);
         for naming in namings {
             let cell = Sight::of(naming.place, &naming.robot, turn, map.directions()).cell;
             dbi.extend((0..sectors).map(|sector| map.gain_dbi(cell, sector)));
         }
-        Self { sectors, dbi }
+        Self { sectors, dbi, reflected: Vec::new() }
     }
 
-    fn rows(&self) -> std::slice::Chunks<'_, f64> {
-        self.dbi.chunks(self.sectors)
+    fn rows(&self) -> impl Iterator<Item = GainRow<'_>> {
+        self.dbi.chunks(self.sectors).enumerate().map(|(at, dbi)| {
+            let reflected = self.reflected.get(at * self.sectors..(at + 1) * self.sectors).unwrap_or_default();
+            GainRow { dbi, reflected }
+        })
     }
 }
 
@@ -65,7 +98,7 @@ fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], nois
         sum += naming.weight
             * match naming.heard {
                 SectorsHeard::Named(sector, _) => {
-                    probabilities(row, ripple_db, logistic_scale(noise_db), &mut shares);
+                    probabilities(row.dbi, ripple_db, logistic_scale(noise_db), &mut shares);
                     libm::log((1.0 - ANY) * shares[*sector] + ANY / gains.sectors as f64)
                 }
                 SectorsHeard::Nothing | SectorsHeard::Reported(_) => 0.0,
@@ -78,7 +111,7 @@ fn log_likelihood(gains: &Gains, namings: &[Naming<'_>], ripple_db: &[f64], nois
 /// deviation of the ripple, which is estimated as well.
 pub(super) fn improve(
     law: &mut PatternLaw,
-    map: &GainMap,
+    scenery: Scenery<'_>,
     namings: &[Naming<'_>],
     turn: TurnOfRound,
     ripple_sigma_db: &mut f64,
@@ -87,11 +120,12 @@ pub(super) fn improve(
         return;
     }
     if turn == TurnOfRound::Improved {
-        let turned =
-            |yaw_rad: f64| log_likelihood(&Gains::of(map, namings, yaw_rad), namings, &law.ripple_db, law.noise_db);
+        let turned = |yaw_rad: f64| {
+            log_likelihood(&Gains::of(scenery, namings, law, yaw_rad), namings, &law.ripple_db, law.noise_db)
+        };
         law.yaw_rad = highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], GOLDEN_STEPS);
     }
-    let gains = Gains::of(map, namings, law.yaw_rad);
+    let gains = Gains::of(scenery, namings, law, law.yaw_rad);
     let of_reports = ReportSums::of(law, gains.rows().zip(namings));
     if of_reports.are_enough() {
         of_reports.improve(law, NOISE_DB);
@@ -122,7 +156,7 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
     for _ in 0..STEPS {
         let mut slope = DVector::from_iterator(sectors, law.ripple_db.iter().map(|b| -b / (sigma_db * sigma_db)));
         let mut curvature = DMatrix::identity(sectors, sectors) / (sigma_db * sigma_db);
-        for (row, naming) in gains.rows().zip(namings) {
+        for (GainRow { dbi: row, reflected }, naming) in gains.rows().zip(namings) {
             let named = match naming.heard {
                 SectorsHeard::Nothing => continue,
                 SectorsHeard::Named(sector, _) => *sector,
@@ -130,8 +164,11 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
                     let precision = naming.weight / (law.noise_db * law.noise_db);
                     let entries = report.present.iter().map(|&(sector, snr_db)| {
                         let residual_db = snr_db - naming.level_db - row[sector] - law.ripple_db[sector];
-                        let [core, seen, odd] = law.reports.densities(residual_db, row[sector], law.noise_db);
-                        (sector, residual_db, core / (core + seen + odd))
+                        let share = reflected.get(sector).copied().unwrap_or(0.0);
+                        let noise_db = law.reports.noise_db(law.noise_db, share);
+                        let [core, seen, odd] = law.reports.densities(residual_db, row[sector], noise_db);
+                        let finer = law.noise_db / noise_db;
+                        (sector, residual_db, core / (core + seen + odd) * (finer * finer))
                     });
                     let entries: Vec<(usize, f64, f64)> = entries.filter(|entry| entry.2 > 1e-3).collect();
                     let sum: f64 = entries.iter().map(|entry| entry.2).sum();

@@ -33,6 +33,9 @@ struct PatternKeys {
     added_share: f64,
     /// Share of the reports whose straight way is blocked.
     blocked_share: f64,
+    /// Standard deviation of what known reflections are stronger or weaker than computed (dB), if obstacles are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    known_sigma_db: Option<f64>,
     /// How far the antenna is turned from what the log says, counterclockwise (degrees).
     yaw_deg: f64,
     /// Standard deviation of the differences of the sectors from the pattern (dB).
@@ -62,6 +65,7 @@ impl Finding for PatternFit {
             level_db: law.level_db,
             added_share: law.reports.added_share,
             blocked_share: law.reports.blocked_share,
+            known_sigma_db: self.knows_ways.then_some(law.reports.known_sigma_db),
             yaw_deg: law.yaw_rad.to_degrees(),
             ripple_sigma_db: self.ripple_sigma_db,
             ripple_db: law.ripple_db.clone(),
@@ -85,6 +89,11 @@ impl Finding for PatternFit {
             law.noise_db,
             self.ripple_sigma_db,
         );
+        let text = if self.knows_ways {
+            format!("{text}; reflections of known obstacles differ by {:.1} dB", law.reports.known_sigma_db)
+        } else {
+            text
+        };
         let contradicted = (law.noise_db > CONTRADICTED_DB).then(|| Line {
             section: Section::Warnings,
             text: format!(

@@ -6,6 +6,8 @@
 //! than its gain says, and hardly weaker. A sector that is absent was too weak, or its frame was lost. And the straight way of
 //! some reports is blocked: these tell nothing of the direction.
 
+use std::sync::OnceLock;
+
 use sextant_kernel::maths::{exp, ln};
 
 use super::report_views::{ReportView, ReportViews};
@@ -42,12 +44,26 @@ pub struct ReportLaw {
     pub lost_share: f64,
     /// Share of the reports whose straight way is blocked.
     pub blocked_share: f64,
+    /// Standard deviation of what known reflections are stronger or weaker than computed (dB).
+    pub known_sigma_db: f64,
 }
 
 impl ReportLaw {
     /// A law to begin with.
     pub(super) fn guess() -> Self {
-        Self { added_share: 0.15, added_db: -4.0, added_sigma_db: 8.0, lost_share: 0.03, blocked_share: 0.05 }
+        Self {
+            added_share: 0.15,
+            added_db: -4.0,
+            added_sigma_db: 8.0,
+            lost_share: 0.03,
+            blocked_share: 0.05,
+            known_sigma_db: 3.0,
+        }
+    }
+
+    /// The standard deviation of a sector of which a share came by known reflections (dB), where strengths have this noise.
+    pub(super) fn noise_db(&self, noise_db: f64, reflected: f64) -> f64 {
+        if reflected > 0.0 { libm::hypot(noise_db, reflected * self.known_sigma_db) } else { noise_db }
     }
 
     /// The probability that an addition is not seen beside a straight way of this gain.
@@ -114,7 +130,12 @@ pub(super) struct ReportTables {
     values: Vec<[f32; 2]>,
     /// By how far the threshold is above the straight way: the logarithm of the probability that a sector is absent.
     absent: Vec<f32>,
+    /// The same with more and more noise, up to that of known reflections.
+    rougher: Vec<OnceLock<Self>>,
 }
+
+/// By how much the noise of each of these tables is more than that of the one before.
+const ROUGHER: f64 = 1.6;
 
 /// What a node reported of all sectors.
 #[derive(Clone, Debug)]
@@ -164,7 +185,39 @@ impl ReportTables {
             let over_db = at as f64 / PER_DB - ABSENT_DB;
             single(libm::log(law.lost_share + (1.0 - law.lost_share) * below(over_db / noise_db)))
         });
-        Self { law: *law, noise_db, residuals: residuals.len(), values, absent: absent.collect() }
+        let (absent, rougher) = (absent.collect(), Vec::new());
+        Self { law: *law, noise_db, residuals: residuals.len(), values, absent, rougher }
+    }
+
+    /// The same, also with the noise of known reflections.
+    pub(super) fn with_reflections(self) -> Self {
+        let most = self.law.noise_db(self.noise_db, 1.0) / self.noise_db;
+        let levels = crate::numerics::whole((ln(most) / ln(ROUGHER)).round());
+        Self { rougher: std::iter::repeat_with(OnceLock::new).take(levels).collect(), ..self }
+    }
+
+    /// The tables for a sector of which this share was reflected.
+    #[inline]
+    fn of_reflected(&self, share: f64) -> &Self {
+        let extra = share * self.law.known_sigma_db / self.noise_db;
+        let level = (0.5 / ln(ROUGHER) * ln(1.0 + extra * extra)).round();
+        if level < 0.5 {
+            return self;
+        }
+        let level = crate::numerics::whole(level).min(self.rougher.len());
+        let Some(table) = level.checked_sub(1).map(|at| &self.rougher[at]) else { return self };
+        table.get_or_init(|| Self::new(&self.law, self.noise_db * libm::pow(ROUGHER, level as f64)))
+    }
+
+    /// The same as [`view`](Self::view), where a share of each sector came by known reflections.
+    pub(super) fn view_reflected(
+        &self,
+        report: &Report,
+        gains: &[f64],
+        reflected: &[f64],
+        variance: f64,
+    ) -> ReportView {
+        self.viewed(report, gains, |sector| self.of_reflected(reflected[sector]), variance)
     }
 
     /// The logarithm of the density of a residual, and the share of it that is without additions.
@@ -183,6 +236,17 @@ impl ReportTables {
     /// What a report says of a direction with these `gains` of all sectors, with their ripple. The strength of the straight way
     /// has this variance round the expected one (dB²).
     pub(super) fn view(&self, report: &Report, gains: &[f64], variance: f64) -> ReportView {
+        self.viewed(report, gains, |_| self, variance)
+    }
+
+    #[inline]
+    fn viewed<'a>(
+        &'a self,
+        report: &Report,
+        gains: &[f64],
+        of: impl Fn(usize) -> &'a Self,
+        variance: f64,
+    ) -> ReportView {
         let top = report.present.iter().fold((f64::NEG_INFINITY, 0.0), |top, &(sector, snr_db)| {
             if gains[sector] > top.0 { (gains[sector], snr_db - gains[sector]) } else { top }
         });
@@ -193,7 +257,10 @@ impl ReportTables {
             let (mut sum, mut weight) = (0.0, 0.0);
             for &(sector, snr_db) in &report.present {
                 let gain_db = gains[sector];
-                let [_, core] = self.at(snr_db - level_db - gain_db, gain_db);
+                let tables = of(sector);
+                let [_, core] = tables.at(snr_db - level_db - gain_db, gain_db);
+                let finer = self.noise_db / tables.noise_db;
+                let core = core * (finer * finer);
                 sum += core * (snr_db - gain_db);
                 weight += core;
             }
@@ -202,12 +269,12 @@ impl ReportTables {
         }
         let mut ln = 0.0;
         for &(sector, snr_db) in &report.present {
-            ln += self.at(snr_db - level_db - gains[sector], gains[sector])[0];
+            ln += of(sector).at(snr_db - level_db - gains[sector], gains[sector])[0];
         }
         let over_db = report.least_db - level_db;
         for &sector in &report.absent {
             let along = ((over_db - gains[sector] + ABSENT_DB) * PER_DB).clamp(0.0, (self.absent.len() - 1) as f64);
-            ln += f64::from(self.absent[crate::numerics::whole(along)]);
+            ln += f64::from(of(sector).absent[crate::numerics::whole(along)]);
         }
         // None of the absent sectors has an addition that would be heard.
         let share = self.law.added_share;

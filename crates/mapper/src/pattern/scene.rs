@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use super::PatternMap;
 use super::evidence::{SectorColumns, SurveyedArea};
 use super::gain_map::{Directions, GainMap};
+use super::ways::{KnownObstacles, KnownWays};
 use crate::log_facts::SoughtHeights;
 use crate::log_facts::reach::{HeardNode, known_reach_m, reach_of_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
@@ -53,6 +54,8 @@ pub(super) struct AntennaScene {
     pub(super) is_reach_known: bool,
     pub(super) heights: SoughtHeights,
     pub(super) surveyed: SurveyedArea,
+    /// The ways among known obstacles, if any are known.
+    pub(super) ways: Option<KnownWays>,
     /// The least strength of a link that is heard (dB).
     pub(super) least_link_db: f64,
     limits: Limits,
@@ -93,9 +96,20 @@ impl AntennaScene {
             heights,
             least_link_db: link_db.unwrap_or(0.0),
             surveyed: SurveyedArea::of(log, reach_m),
+            ways: None,
             limits: Limits::new(log, reach_m, heights),
             wider_m: if link_db.is_some() { WIDER * reach_m } else { 0.0 },
         })
+    }
+
+    /// The same among known obstacles, if any are known, for the stops of `log`.
+    pub(super) fn among(self, known: Option<KnownObstacles<'_>>, log: &ReceptionLog) -> Self {
+        let Some(known) = known else { return self };
+        let stops = log.stops().iter().map(|stop| stop.position).collect();
+        let reach_m = self.reach_m + self.wider_m;
+        let heights = [self.heights.low_m, self.heights.high_m];
+        let ways = Some(KnownWays::new(&known, stops, reach_m, heights));
+        Self { map: self.map.with_powers(), ways, ..self }
     }
 
     /// The box of each node.

@@ -5,7 +5,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::evidence::PatternTables;
-use super::fit::{FoundPattern, Likelihoods, SectorSurvey};
+use super::fit::{FoundPattern, Likelihoods, SectorSurvey, WaysOfLaw};
 use super::places::CellPosterior;
 use super::scene::AntennaScene;
 use super::{PatternFit, PatternMap};
@@ -34,7 +34,7 @@ impl SettledLaw {
         watch: &dyn Watch,
     ) -> Result<Self, MapError> {
         let found = SectorSurvey { log, scene: &scene }.fit(nodes, name, watch)?;
-        let likelihoods = Likelihoods::new(found.law.clone(), &scene.map);
+        let likelihoods = Likelihoods::new(found.law.clone(), &scene.map, WaysOfLaw::Known);
         Ok(Self { settings, scene, found, likelihoods })
     }
 
@@ -94,6 +94,7 @@ impl SettledLaw {
             gains: self.scene.map,
             tables: PatternTables::new(),
             usual_dbi,
+            knows_ways: self.scene.ways.is_some(),
         }
     }
 }

@@ -5,10 +5,10 @@ use std::fmt;
 use sextant_channel::{ReceptionLog, SectorGains};
 use sextant_kernel::{NodeId, Watch};
 
-use super::PatternMap;
 use super::fit::thinned;
 use super::scene::{AntennaScene, LeastStrengths};
 use super::settled::SettledLaw;
+use super::{KnownObstacles, PatternMap};
 use crate::count_rule::CountRule;
 use crate::error::MapError;
 use crate::learned::EstimatorFindings;
@@ -40,6 +40,7 @@ impl PatternMap {
         self,
         parts: &dyn LogParts,
         gains: &SectorGains,
+        known: Option<KnownObstacles<'_>>,
         name: &'static str,
         watch: &dyn Watch,
     ) -> Result<Box<dyn FixedLaw>, PartsError> {
@@ -63,6 +64,7 @@ impl PatternMap {
         let farthest_m: Vec<f64> = heard.iter().map(|&(_, farthest_m)| farthest_m).collect();
         let settled = match AntennaScene::of(&self, parts.whole(), gains, &farthest_m, least) {
             Some(scene) => {
+                let scene = scene.among(known, parts.whole());
                 let nodes: Vec<NodeId> = thinned(&heard).into_iter().map(|(node, _)| node).collect();
                 let few = sample(parts, &nodes, watch)?;
                 let few = &*counts.counted(&few);

@@ -80,6 +80,15 @@ pub enum ObstacleUse {
     Known,
 }
 
+impl ObstacleUse {
+    /// Whether it knows no obstacles.
+    #[cfg(feature = "config")]
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+    pub(crate) fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
+    }
+}
+
 fn default_delivery() -> f64 {
     1.0
 }

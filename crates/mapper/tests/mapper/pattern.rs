@@ -4,13 +4,14 @@ use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock};
 
 use sextant_channel::{
-    Antenna, AntennaConfig, CodeBookConfig, Orientation, Position, Reception, ReceptionLog, SectorGains,
-    SectorGainsConfig, SectorReport, SectorTable, Stop,
+    Antenna, AntennaConfig, BoxConfig, CodeBookConfig, Obstacle, ObstacleConfig, ObstacleField, Orientation,
+    Position, Reception, ReceptionLog, ReflectionsConfig, SectorGains, SectorGainsConfig, SectorReport, SectorTable,
+    ShapeConfig, Stop,
 };
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    EstimateKind, Estimator, Finding, FittedConfig, Knowledge, LogParts, Mapper, MlTmConfig, MmTm, PatternFit,
-    ProfileConfig, Region, SectorModel, SectorsConfig, TopologyMap,
+    EstimateKind, Estimator, Finding, FittedConfig, Knowledge, KnowledgeKind, LogParts, Mapper, MlTmConfig, MmTm,
+    ObstacleUse, PatternFit, ProfileConfig, Region, SectorModel, SectorsConfig, TopologyMap,
 };
 
 use crate::parts::Parts;
@@ -336,6 +337,73 @@ fn walls_that_nobody_knows_neither_turn_the_antenna_nor_move_the_nodes() {
     assert!(held >= 0.8, "{held} in their regions");
     assert!(law.yaw_rad.abs() < 1e-12, "turned by {} rad", law.yaw_rad);
     assert!(law.reports.added_share > 0.05 && law.reports.blocked_share < 0.2, "{:?}", law.reports);
+}
+
+/// The four walls of the room, moved by so much along x and against y (m). They reflect with a loss of 9 dB.
+fn walls(moved_m: f64) -> ObstacleField {
+    let wall = |[x, y]: [f64; 2], sides: [f64; 2]| {
+        let shape = BoxConfig::new(Position::new(x + moved_m, y - moved_m, 0.0), [sides[0], sides[1], 3.0]);
+        let config = ObstacleConfig::of(ShapeConfig::Box(shape), "concrete");
+        Obstacle::try_from(config).expect("a sound wall")
+    };
+    ObstacleField::new(vec![
+        wall([4.0, -0.1], [8.4, 0.2]),
+        wall([4.0, 6.1], [8.4, 0.2]),
+        wall([-0.1, 3.0], [0.2, 6.0]),
+        wall([8.1, 3.0], [0.2, 6.0]),
+    ])
+}
+
+/// The settings of a map by gains among known obstacles.
+fn among_obstacles() -> MlTmConfig {
+    let sectors = SectorsConfig {
+        model: Some(SectorModel::Gains),
+        obstacles: ObstacleUse::Known,
+        reflections: Some(ReflectionsConfig { loss_db: Some(9.0), ..ReflectionsConfig::default() }),
+        ..SectorsConfig::default()
+    };
+    MlTmConfig {
+        estimate: EstimateKind::PosteriorMean,
+        sectors: Some(sectors),
+        ..MlTmConfig::new(0.2, ProfileConfig::Fitted(FittedConfig::default()))
+    }
+}
+
+#[test]
+fn walls_that_are_known_place_nodes_better_and_wrong_ones_do_no_harm() {
+    let Survey { log, reports, truth, .. } = room_with_reports();
+    let log = log.with_sector_snrs(reports).expect("sound reports");
+    let (unknown_m, _) = score(&map(&log, SectorModel::Gains).0, &truth);
+    let among = |field: &ObstacleField| {
+        let estimator = MmTm::try_from(among_obstacles()).expect("sound settings");
+        let knowledge = Knowledge { obstacles: Some(field), ..Knowledge::from(&log) };
+        let (map, learned) = estimator.estimate(&knowledge, &Unwatched).expect("a map");
+        let law = learned.and_then(|learned| learned.get::<PatternFit>().map(|fit| fit.law.clone())).expect("a law");
+        let (error_m, held) = score(&map, &truth);
+        (error_m, held, law.reports.known_sigma_db, law.reports.added_share)
+    };
+    let (right_m, held, right_db, added) = among(&walls(0.0));
+    assert!(right_m < 0.6 * unknown_m && held >= 0.8, "{right_m} m, unknown {unknown_m} m, {held} in their regions");
+    assert!(right_db < 1.0 && added < 0.1, "{right_db} dB, {added}");
+    let (wrong_m, _, wrong_db, _) = among(&walls(0.2));
+    assert!(wrong_m < 1.5 * unknown_m + 0.01, "{wrong_m} m, unknown {unknown_m} m");
+    assert!(wrong_db > 2.0 * right_db, "wrong {wrong_db} dB, right {right_db} dB");
+}
+
+#[test]
+fn obstacles_are_known_to_maps_by_gains_alone_and_must_be_given() {
+    let key = |change: &dyn Fn(&mut SectorsConfig)| {
+        let mut config = among_obstacles();
+        config.sectors.as_mut().into_iter().for_each(change);
+        MmTm::try_from(config).unwrap_err().key
+    };
+    assert_eq!(key(&|sectors| sectors.model = None), "sectors.obstacles");
+    assert_eq!(key(&|sectors| sectors.carrier_ghz = Some(0.0)), "sectors.carrier_ghz");
+    assert_eq!(key(&|sectors| sectors.obstacles = ObstacleUse::Unknown), "sectors.reflections");
+    let estimator = MmTm::try_from(among_obstacles()).expect("sound settings");
+    assert!(estimator.uses().contains(&KnowledgeKind::Obstacles));
+    let nothing = estimator.estimate(&Knowledge::from(&KNOWN.0.log), &Unwatched).unwrap_err();
+    assert!(nothing.to_string().contains("obstacles"), "{nothing}");
 }
 
 #[test]

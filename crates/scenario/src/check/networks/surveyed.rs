@@ -1,10 +1,10 @@
 //! What maps may know of the networks that robots survey.
 
 use sextant_apps::ControllerConfig;
-use sextant_channel::ChannelLaw;
+use sextant_channel::{ChannelLaw, ReflectionsConfig};
 use sextant_kernel::SettingError;
 use sextant_mapper::{
-    AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig, ReceiverSetting,
+    AlgorithmConfig, ChannelProfileConfig, MapConfig, ObstacleUse, ProfileConfig, RangingConfig, ReceiverSetting,
 };
 use sextant_sim::{RobotConfig, RoleConfig, Technology, TrafficConfig};
 
@@ -145,6 +145,15 @@ impl CheckedNetwork<'_> {
         if let Some(ReceiverSetting { sensitivity_dbm, max_range_m }) = algorithm.receiver_mut() {
             sensitivity_dbm.get_or_insert(technology.sensitivity().0);
             *max_range_m = max_range_m.or(limited_range_m(channel));
+        }
+        if let Some(sectors) = algorithm.sectors_mut()
+            && sectors.obstacles != ObstacleUse::Unknown
+        {
+            sectors.carrier_ghz = sectors.carrier_ghz.or(channel.signal_ghz());
+            // Where nothing reflects, obstacles absorb alone.
+            let of_channel = self.tables.reflections();
+            let nothing = ReflectionsConfig { order: 0, ..ReflectionsConfig::default() };
+            sectors.reflections.get_or_insert(of_channel.unwrap_or(nothing));
         }
     }
 

@@ -1,6 +1,6 @@
 //! The tables of a network as written, with the key of each, and what each becomes.
 
-use sextant_channel::{ChannelConfig, ChannelLaw, Dbm, RangingDevice, RangingDeviceConfig};
+use sextant_channel::{ChannelConfig, ChannelLaw, Dbm, RangingDevice, RangingDeviceConfig, ReflectionsConfig};
 use sextant_kernel::{Files, SettingError};
 use sextant_mac::tsch::Hopping;
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
@@ -121,6 +121,11 @@ impl<'a> NetworkTables<'a> {
     /// Whether the network has this table for itself alone.
     fn is_its_own<T>(&self, table: &Keyed<Option<T>>) -> bool {
         table.value.is_some() && (self.name.is_none() || table.is_own)
+    }
+
+    /// How its channel reflects signals, if it does.
+    pub(super) fn reflections(&self) -> Option<ReflectionsConfig> {
+        self.channel.value.reflections
     }
 
     /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios, which is that of the
