@@ -21,7 +21,7 @@ use crate::doctor::{self, ClockOffset, Finding, Samples};
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::packet_delay::PacketDelay;
 use crate::options::read_options::{ReadOptions, StopRule};
-use crate::path::robot_path::Path;
+use crate::path::robot_path::{Path, later};
 use crate::path::slot::{self, Slot};
 use crate::place::local_plane::LocalPlane;
 use crate::ranges::range_table::{LONGEST_M, ReadRanges};
@@ -375,12 +375,26 @@ impl Gatherer {
             .and_then(|log| log.with_robots(self.robots))
             .and_then(|log| log.with_ranges(ranges))
             .map_err(RobotLogError::Invalid)?;
+        let middles = self.middles();
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
         let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
         self.findings.splice(0..0, of_paths);
         self.findings.extend(doctor::listening::finding(&log, usual));
-        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock })
+        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock, middles })
+    }
+
+    /// The middle of the time of each stop, by its robot and its start.
+    fn middles(&self) -> BTreeMap<(RobotId, SimTime), SimTime> {
+        let of_robot = |(robot, track): (usize, &RobotTrack)| {
+            let middle = |slot: &Slot| later(slot.start, slot.end.saturating_since(slot.start) / 2);
+            track
+                .slots
+                .iter()
+                .map(|slot| ((RobotId::from_index(robot), slot.start), middle(slot)))
+                .collect::<Vec<_>>()
+        };
+        self.tracks.iter().enumerate().flat_map(of_robot).collect()
     }
 
     /// How late the packets are; a finding if they clearly are.
