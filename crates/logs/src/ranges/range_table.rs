@@ -355,7 +355,11 @@ mod tests {
             notes.iter().any(|note| note.contains("are exactly 6 m"))
         };
         assert!(!is_told(&rows(&|at| (3 + at % 7 % 5).to_string())));
-        assert!(is_told(&rows(&|at| if at % 6 == 0 { "6".to_owned() } else { format!("{}", 3.0 + 0.013 * at as f64) })));
+        assert!(is_told(&rows(&|at| if at % 6 == 0 {
+            "6".to_owned()
+        } else {
+            format!("{}", 3.0 + 0.013 * at as f64)
+        })));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use nalgebra::{Matrix3, Matrix4, Vector4};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, Vector4};
 
 use super::error_law::{self, centred};
 use super::problem::{Point, Problem, Residual};
@@ -39,6 +39,9 @@ pub(super) struct ByDirection {
 
 /// Harmonics of an error by direction.
 const HARMONICS: usize = 6;
+/// A place and a bias take so many away beside them; nodes with fewer groups than twice as many as both tell nothing of harmonics.
+const COORDINATES: f64 = 3.0;
+const LEAST_FOR_HARMONICS: usize = 30;
 
 /// The variance of both parts of a harmonic, as a share of that of the first: errors have bends and steps by direction.
 fn share_of(harmonic: usize) -> f64 {
@@ -101,62 +104,98 @@ impl Answer {
     }
 }
 
-/// The eighth of the circle in which each direction is.
-fn eighths(directions: &[f64]) -> Vec<usize> {
-    let eighth = |direction: &f64| crate::numerics::whole((direction + PI) / FRAC_PI_4) % DIRECTIONS;
-    directions.iter().map(eighth).collect()
-}
-
-/// The mean of some errors in each eighth, and how many these are.
-fn means(errors: &[f64], eighths: &[usize]) -> [(f64, usize); DIRECTIONS] {
+/// The mean of some errors in each eighth of the circle of their directions, and how many these are.
+fn means(errors: &[f64], directions: &[f64]) -> [(f64, usize); DIRECTIONS] {
     let mut means = [(0.0, 0_usize); DIRECTIONS];
-    for (error_m, &eighth) in errors.iter().zip(eighths) {
+    for (error_m, direction) in errors.iter().zip(directions) {
+        let eighth = crate::numerics::whole((direction + PI) / FRAC_PI_4) % DIRECTIONS;
         means[eighth].0 += error_m;
         means[eighth].1 += 1;
     }
     means.map(|(total, count)| (total / count.max(1) as f64, count))
 }
 
-impl ByDirection {
-    /// Of the errors at `point`. The error by direction is a sum of harmonics, whose variance is estimated from the means over eighths of
-    /// the circle less their noise: as a share of what a place and a bias that are fitted leave of each harmonic.
-    pub(super) fn of(problem: &Problem<'_>, point: &Point) -> Self {
-        let (mut left, mut count, mut excess, mut expected) = (0.0, 0.0_f64, 0.0, 0.0);
-        let errors: Vec<(Vec<f64>, Vec<usize>)> = (0..point.nodes.len())
-            .map(|number| {
-                let (errors, directions) = errors(problem, point, number);
-                (errors, eighths(&directions))
-            })
+/// What the errors of a node tell of harmonics of the direction.
+struct Told {
+    /// Errors along independent sums of harmonics (m), and how large the variance of each is for harmonics of variance 1.
+    parts: Vec<(f64, f64)>,
+    /// What no harmonic explains (m).
+    rest: Vec<f64>,
+}
+
+impl Told {
+    /// Of `errors` of a node, beside what its place takes away.
+    fn of(answer: &Answer, errors: &[f64]) -> Self {
+        let columns: Vec<DVector<f64>> = answer
+            .harmonics()
+            .map(|(share, values)| DVector::from_vec(answer.left(&values)) * share.sqrt())
             .collect();
-        let within: Vec<Vec<f64>> = errors
-            .iter()
-            .map(|(errors, eighths)| {
-                let means = means(errors, eighths);
-                errors.iter().zip(eighths).map(|(error_m, &eighth)| error_m - means[eighth].0).collect()
-            })
-            .collect();
-        let alike = error_law::autocorrelation_time(within.iter().map(Vec::as_slice));
-        let answers: Vec<Option<Answer>> =
-            (0..point.nodes.len()).map(|number| Answer::of(problem, point, number)).collect();
-        for (((errors, eighths), within), answer) in errors.iter().zip(&within).zip(&answers) {
-            let means_m = means(errors, eighths);
-            let squares: Vec<f64> = within.iter().map(|error_m| error_m * error_m).collect();
-            let squares = means(&squares, eighths);
-            let is_told = |eighth: &usize| means_m[*eighth].1 >= LEAST_GROUPS;
-            for eighth in (0..DIRECTIONS).filter(is_told) {
-                let groups = means_m[eighth].1 as f64;
-                left += means_m[eighth].0.powi(2);
-                count += 1.0;
-                excess += means_m[eighth].0.powi(2) - squares[eighth].0 * alike / (groups - 1.0);
-            }
-            let Some(answer) = answer else { continue };
-            for (share, values) in answer.harmonics() {
-                let of_harmonic = means(&answer.left(&values), eighths);
-                expected +=
-                    (0..DIRECTIONS).filter(is_told).map(|eighth| share * of_harmonic[eighth].0.powi(2)).sum::<f64>();
+        let left = DMatrix::from_columns(&columns);
+        let errors = DVector::from_column_slice(errors);
+        let by_harmonic = left.tr_mul(&errors);
+        let gram = left.tr_mul(&left).symmetric_eigen();
+        let least = 1e-6 * gram.eigenvalues.max().max(f64::MIN_POSITIVE);
+        let (mut parts, mut rest) = (Vec::new(), errors);
+        for (&size, vector) in gram.eigenvalues.iter().zip(gram.eigenvectors.column_iter()) {
+            if size > least {
+                let along = vector.dot(&by_harmonic) / size.sqrt();
+                rest -= &left * vector * (along / size.sqrt());
+                parts.push((along, size));
             }
         }
-        let variance = if expected > 0.0 { (excess / expected).max(0.0) } else { 0.0 };
+        Self { parts, rest: rest.iter().copied().collect() }
+    }
+}
+
+/// The variance of errors by direction (m²): its mean over deviations from half a centimetre to some metres, each as likely as the
+/// last before the log is seen. The noise is what no harmonic explains.
+fn variance_of(told: &[Told]) -> f64 {
+    /// The least deviation that is tried (m), and how many, each larger by a factor of the root of 2.
+    const LEAST_M: f64 = 0.005;
+    const TRIED: u32 = 18;
+    let freedom: f64 = told.iter().map(|told| told.rest.len() as f64 - told.parts.len() as f64 - COORDINATES).sum();
+    if told.is_empty() || freedom <= 0.0 {
+        return 0.0;
+    }
+    let alike = error_law::autocorrelation_time(told.iter().map(|told| told.rest.as_slice()));
+    let squares: f64 = told.iter().flat_map(|told| &told.rest).map(|error_m| error_m * error_m).sum();
+    let noise = squares / freedom * alike + 1e-12;
+    let tried: Vec<(f64, f64)> = (0..TRIED)
+        .map(|step| {
+            let variance = (LEAST_M * libm::pow(2.0, 0.5 * f64::from(step))).powi(2);
+            let of_part = |&(along, size): &(f64, f64)| {
+                let expected = noise + variance * size;
+                -0.5 * (libm::log(expected) + along * along / expected)
+            };
+            (variance, told.iter().flat_map(|told| &told.parts).map(of_part).sum())
+        })
+        .collect();
+    let most = tried.iter().map(|&(_, log)| log).fold(f64::NEG_INFINITY, f64::max);
+    let weighed = tried.into_iter().map(|(variance, log): (f64, f64)| (variance, libm::exp(log - most)));
+    let (sum, weights) =
+        weighed.fold((0.0, 0.0), |(sum, weights), (variance, weight)| (sum + variance * weight, weights + weight));
+    sum / weights
+}
+
+impl ByDirection {
+    /// Of the errors at `point`. The error by direction is a sum of harmonics, whose variance is estimated from what a place and a bias
+    /// that are fitted leave of each.
+    pub(super) fn of(problem: &Problem<'_>, point: &Point) -> Self {
+        let (mut left, mut count, mut told) = (0.0, 0.0_f64, Vec::new());
+        let answers: Vec<Option<Answer>> =
+            (0..point.nodes.len()).map(|number| Answer::of(problem, point, number)).collect();
+        for (number, answer) in answers.iter().enumerate() {
+            let (errors, directions) = errors(problem, point, number);
+            for (mean_m, groups) in means(&errors, &directions) {
+                if groups >= LEAST_GROUPS {
+                    left += mean_m * mean_m;
+                    count += 1.0;
+                }
+            }
+            let is_enough = errors.len() >= LEAST_FOR_HARMONICS;
+            told.extend(answer.as_ref().filter(|_| is_enough).map(|answer| Told::of(answer, &errors)));
+        }
+        let variance = variance_of(&told);
         let moved = |answer: &Option<Answer>| {
             let Some(answer) = answer else { return Matrix3::zeros() };
             answer.harmonics().fold(Matrix3::zeros(), |sum, (share, values)| {
