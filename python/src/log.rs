@@ -1,5 +1,6 @@
 //! Logs.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -96,7 +97,8 @@ impl Log {
         if self.findings.get().is_none() {
             let input = &self.origin.input;
             let (log, plane) = (input.log().clone(), input.plane);
-            let read = RobotLog { log, plane, notes: Vec::new(), findings: self.seen.clone(), clock: None };
+            let (notes, findings) = (Vec::new(), self.seen.clone());
+            let read = RobotLog { log, plane, notes, findings, clock: None, middles: BTreeMap::new() };
             let examined = supervised(py, None, None, |_| logs::examine(read))?;
             // Another thread may have been faster, with the same result.
             let _ = self.findings.set(examined.findings.iter().map(ToString::to_string).collect());

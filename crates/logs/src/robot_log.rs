@@ -1,6 +1,9 @@
 //! What is read from the files of a robot.
 
+use std::collections::BTreeMap;
+
 use sextant_channel::ReceptionLog;
+use sextant_kernel::{RobotId, SimTime};
 
 use super::doctor::{ClockOffset, Finding};
 use crate::place::local_plane::LocalPlane;
@@ -18,4 +21,7 @@ pub struct RobotLog {
     pub findings: Vec<Finding>,
     /// How late the packets are by the clock of the path, if both were read and tell it.
     pub clock: Option<ClockOffset>,
+    /// The middle of the time of each stop that is a part of a path, by its robot and its start: the place of such a stop is the mean
+    /// over its time. Empty if robots stood at their stops.
+    pub middles: BTreeMap<(RobotId, SimTime), SimTime>,
 }

@@ -158,7 +158,7 @@ fn gather(
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(gathered.log, &mut notes)?;
     notes.extend(gathered.notes);
-    Ok(RobotLog { log, plane: gathered.plane, notes, findings: gathered.findings, clock: gathered.clock })
+    Ok(RobotLog { log, notes, ..gathered })
 }
 
 /// Notes what is read from bags.

@@ -1,5 +1,6 @@
 //! Logs that have their stops: a table of stops and one of receptions, in files or in memory, or a wide table.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant_channel::ReceptionLog;
@@ -84,7 +85,14 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
     let log = companions.with_sectors(log, &mut notes)?;
     let known = sector_snrs::KnownParts { stops: &stops, receptions: &name };
     let log = companions.with_sector_snrs(log, reports, known, &mut notes)?;
-    Ok(RobotLog { findings: findings(&log, plane.as_ref(), rssi.findings()), log, plane, notes, clock: None })
+    Ok(RobotLog {
+        findings: findings(&log, plane.as_ref(), rssi.findings()),
+        log,
+        plane,
+        notes,
+        clock: None,
+        middles: BTreeMap::new(),
+    })
 }
 
 /// The note on stops that were left out, with so many rows of `receptions`.
@@ -146,7 +154,14 @@ pub(crate) fn read_wide(
     let log = wide.build(contacts).map_err(|why| RobotLogError::Log { part, why })?;
     companions.refuse_sector_snrs()?;
     let log = companions.with_sectors(log, &mut notes)?;
-    Ok(RobotLog { findings: findings(&log, plane.as_ref(), of_rssi), log, plane, notes, clock: None })
+    Ok(RobotLog {
+        findings: findings(&log, plane.as_ref(), of_rssi),
+        log,
+        plane,
+        notes,
+        clock: None,
+        middles: BTreeMap::new(),
+    })
 }
 
 /// The note that the signal-to-noise ratios of all sectors are not used, if the log has them, or its receptions have the

@@ -25,6 +25,8 @@ const WRITTEN: [&str; 10] =
 const OWN_PLACE: [&str; 6] = ["x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
 /// The longest range that a device of a robot can have measured (m).
 pub(crate) const LONGEST_M: f64 = 1e6;
+/// Of ranges in coarse steps each value is repeated: one is odd if it is more frequent than the others by this factor.
+const COARSE: usize = 4;
 /// A value that so many ranges have, and this share of them, is no measurement.
 const REPEATED: (usize, f64) = (20, 0.02);
 
@@ -191,10 +193,13 @@ fn repeated(name: &str, samples: &[RangeSample]) -> Option<String> {
     for sample in samples {
         *counts.entry(sample.range_m.to_bits()).or_default() += 1;
     }
+    let mut usual: Vec<usize> = counts.values().copied().collect();
+    usual.sort_unstable();
+    let usual = usual[usual.len() / 2];
     let (bits, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
     let share = count as f64 / samples.len() as f64;
     // Devices with coarse steps repeat values as well, in all places.
-    let is_one = count >= REPEATED.0 && share >= REPEATED.1 && {
+    let is_one = count >= REPEATED.0 && count > COARSE * usual && share >= REPEATED.1 && {
         let places = samples.iter().filter(|sample| sample.range_m.to_bits() == bits).map(|sample| sample.position);
         let corners = places.fold(None, |corners: Option<(Position, Position)>, place| {
             let (low, high) = corners.unwrap_or((place, place));
@@ -335,6 +340,26 @@ mod tests {
         for note in ["1 row without a range", "1 range of exactly 0", "2 ranges from before", "1 range below 0"] {
             assert!(found.notes.iter().any(|known| known.contains(note)), "{note}: {:?}", found.notes);
         }
+    }
+
+    #[test]
+    fn a_value_for_failed_tries_is_told_and_coarse_steps_are_not() {
+        // 120 ranges at places far apart, in steps of a metre; then with a sixth of them as 6 m.
+        let rows = |range_m: &dyn Fn(usize) -> String| {
+            let row = |at: usize| format!("{},a,{}\n", 0.05 * at as f64, range_m(at));
+            format!("t_s,node,range_m\n{}", (0..120).map(row).collect::<String>())
+        };
+        let is_told = |ranges: &str| {
+            let folder = folder_of([("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"), ("ranges.csv", ranges)]);
+            let notes = read(folder.path(), &ReadOptions::default()).unwrap().notes;
+            notes.iter().any(|note| note.contains("are exactly 6 m"))
+        };
+        assert!(!is_told(&rows(&|at| (3 + at % 7 % 5).to_string())));
+        assert!(is_told(&rows(&|at| if at % 6 == 0 {
+            "6".to_owned()
+        } else {
+            format!("{}", 3.0 + 0.013 * at as f64)
+        })));
     }
 
     #[test]

@@ -6,7 +6,9 @@ use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 
 use super::PathError;
 use super::climb::{Top, climb};
-use super::drive_problem::{AFTER_NODES, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes};
+use super::drive_problem::{
+    AFTER_NODES, DELAY, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes,
+};
 use super::keyframes::{Keyframe, Keyframes};
 use super::odometry::{FACTORS, Odometry};
 use super::report::{PathFit, PathRanges};
@@ -26,6 +28,8 @@ const NOISES_M: [f64; 4] = [3.0, 1.5, 0.8, 0.45];
 const BIAS_M: f64 = 3.0;
 const SCALE: f64 = 0.05;
 const NODE_BIAS_M: f64 = 0.1;
+/// Standard deviation of how late ranges are by the clock of the path (s).
+const DELAY_S: f64 = 0.15;
 /// How well the first pose is known: it is the frame of the map, unless nodes are known (m, rad).
 pub(super) const FIRST: [f64; 2] = [1e-3, 1e-4];
 const FIRST_BY_NODES: [f64; 2] = [300.0, 3.0];
@@ -142,7 +146,7 @@ pub(super) fn by_ranges(
         remedy: "they stand in `ranges.csv` beside the path, each with its time",
     };
     let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-    let (map, _) = estimator.map(log, watch)?;
+    let (map, believed) = estimator.map(log, watch)?;
     let mut nodes = vec![None; log.node_count()];
     let (mut starts, mut places) = (Vec::new(), Vec::<KnownPlace>::new());
     let mut ids = Vec::new();
@@ -182,12 +186,15 @@ pub(super) fn by_ranges(
         node_bias_m: NODE_BIAS_M,
         bias_m: BIAS_M,
         scale: SCALE,
+        delay_s: DELAY_S,
     };
-    // Two starts: the places that suit the believed path best by the law of ranges, and those of plain least squares.
+    // Two starts: the places and the delay that suit the believed path best by the law of ranges, and those of plain least squares.
     let plain: Vec<Position> = (0..starts.len()).map(|node| least_squares(&keyframes, node, starts[node])).collect();
     let mut best: Option<(DriveProblem<'_>, Top<DrivePoint>)> = None;
-    for starts in [&starts, &plain].into_iter().take(if sure.is_some() { 1 } else { 2 }) {
-        let (problem, top) = annealed(problem.clone(), &keyframes, starts, watch)?;
+    let delay_s = believed.map_or(0.0, |fit| fit.delay_s);
+    for (starts, delay_s) in [(&starts, delay_s), (&plain, 0.0)].into_iter().take(if sure.is_some() { 1 } else { 2 })
+    {
+        let (problem, top) = annealed(problem.clone(), &keyframes, starts, delay_s, watch)?;
         if best.as_ref().is_none_or(|(_, best)| top.value > best.value) {
             best = Some((problem, top));
         }
@@ -217,6 +224,7 @@ fn annealed<'a>(
     mut problem: DriveProblem<'a>,
     keyframes: &Keyframes,
     starts: &[Position],
+    delay_s: f64,
     watch: &dyn Watch,
 ) -> Result<(DriveProblem<'a>, Top<DrivePoint>), MapError> {
     let pose = |frame: &Keyframe| Vector4::new(frame.position.x_m, frame.position.y_m, 0.0, 0.0);
@@ -225,6 +233,7 @@ fn annealed<'a>(
         poses: keyframes.frames.iter().map(pose).collect(),
         border: DVector::from_iterator(3 * starts.len() + AFTER_NODES, border),
     };
+    point.border[after_nodes(starts.len(), DELAY)] = delay_s;
     for noise_m in NOISES_M {
         problem.law = error_law::noisy(noise_m);
         point = climb(&problem, point, STEPS, LEAST_GAIN, watch)?.point;
@@ -292,10 +301,17 @@ fn estimated(
         scale_deviation: deviation(2),
         drift_rad_per_m: border[after + 3],
         drift_deviation_rad_per_m: deviation(3),
-        ranges: Some(PathRanges { bias_m: border[after], scale: border[after + 1], scale_deviation: deviation(1) }),
+        ranges: Some(PathRanges {
+            bias_m: border[after],
+            scale: border[after + 1],
+            scale_deviation: deviation(1),
+            delay_s: border[after + DELAY],
+            delay_deviation_s: deviation(DELAY),
+        }),
         most_moved_m: moved.fold(0.0, f64::max),
         held_out: None,
         contradicted: Vec::new(),
+        late_clock: None,
         settled: top.settled && covariances.is_some(),
     };
     EstimatedPath { poses, fit }

@@ -14,6 +14,8 @@ pub(super) struct PoseRange {
     pub(super) node: usize,
     /// From the pose to where it was measured (m), in the frame of odometry.
     pub(super) offset: [f64; 2],
+    /// How fast the robot was (m/s), in the frame of odometry.
+    pub(super) velocity: [f64; 2],
     /// How much higher the node is (m).
     pub(super) height_m: f64,
     pub(super) range_m: f64,
@@ -24,7 +26,7 @@ pub(super) struct PoseRange {
 pub(super) struct DrivePoint {
     /// x, y (m), turn (rad), and nothing.
     pub(super) poses: Vec<Vector4<f64>>,
-    /// x, y and bias of each node (m); bias and scale of all ranges; scale and drift of odometry (rad/m).
+    /// x, y and bias of each node (m); bias and scale of all ranges; scale and drift of odometry (rad/m); how late the ranges are (s).
     pub(super) border: DVector<f64>,
 }
 
@@ -43,6 +45,7 @@ pub(super) struct DriveProblem<'a> {
     pub(super) node_bias_m: f64,
     pub(super) bias_m: f64,
     pub(super) scale: f64,
+    pub(super) delay_s: f64,
 }
 
 /// Entries of the border for each node, and those after all nodes.
@@ -51,7 +54,8 @@ const BIAS: usize = 0;
 const SCALE: usize = 1;
 pub(super) const ODOMETRY_SCALE: usize = 2;
 pub(super) const DRIFT: usize = 3;
-pub(super) const AFTER_NODES: usize = 4;
+pub(super) const DELAY: usize = 4;
+pub(super) const AFTER_NODES: usize = 5;
 
 /// Where an entry after all nodes stands in the border.
 pub(super) fn after_nodes(nodes: usize, which: usize) -> usize {
@@ -67,10 +71,16 @@ impl DriveProblem<'_> {
     fn apart(&self, range: &PoseRange, at: &DrivePoint) -> ([f64; 2], f64) {
         let pose = &at.poses[range.pose];
         let (sin, cos) = libm::sincos(pose[2]);
-        let [x, y] = range.offset;
+        let [x, y] = self.offset(range, at);
         let from = [pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y];
         let apart = [0, 1].map(|axis| at.border[OF_NODE * range.node + axis] - from[axis]);
         (apart, (apart[0].powi(2) + apart[1].powi(2) + range.height_m.powi(2) + 1e-12).sqrt())
+    }
+
+    /// From the pose to where a range was measured, which is late (m), in the frame of odometry.
+    fn offset(&self, range: &PoseRange, at: &DrivePoint) -> [f64; 2] {
+        let delay_s = at.border[self.shared(DELAY)];
+        [0, 1].map(|axis| range.offset[axis] - range.velocity[axis] * delay_s)
     }
 
     fn error_m(&self, range: &PoseRange, distance_m: f64, border: &DVector<f64>) -> f64 {
@@ -86,7 +96,7 @@ impl DriveProblem<'_> {
             let bias = (OF_NODE * node + 2, 0.0, self.node_bias_m);
             place.into_iter().flatten().chain([bias])
         });
-        let shared = [(BIAS, self.bias_m), (SCALE, self.scale)];
+        let shared = [(BIAS, self.bias_m), (SCALE, self.scale), (DELAY, self.delay_s)];
         of_nodes.chain(shared.map(|(which, deviation)| (self.shared(which), 0.0, deviation.max(1e-9))))
     }
 
@@ -119,15 +129,18 @@ impl Hill for DriveProblem<'_> {
             let density = law.density(self.error_m(range, distance_m, &at.border));
             let longer = (1.0 + at.border[self.shared(SCALE)]) / distance_m;
             let (sin, cos) = libm::sincos(at.poses[range.pose][2]);
-            let [x, y] = range.offset;
+            let [x, y] = self.offset(range, at);
             let by_turn = apart[0] * (-sin * x - cos * y) + apart[1] * (cos * x - sin * y);
             let by_pose = Vector4::new(apart[0], apart[1], by_turn, 0.0) * longer;
+            let [vx, vy] = range.velocity;
+            let closing = apart[0] * (cos * vx - sin * vy) + apart[1] * (sin * vx + cos * vy);
             let by_border = [
                 (OF_NODE * range.node, -longer * apart[0]),
                 (OF_NODE * range.node + 1, -longer * apart[1]),
                 (OF_NODE * range.node + 2, -1.0),
                 (self.shared(BIAS), -1.0),
                 (self.shared(SCALE), -distance_m),
+                (self.shared(DELAY), -longer * closing),
             ];
             let (weight, slope) = (self.worth * density.stiffness, self.worth * density.by_error);
             system.add(range.pose, by_pose, None, &by_border, weight, slope);

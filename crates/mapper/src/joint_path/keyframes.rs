@@ -63,11 +63,13 @@ impl Keyframes {
             let pose = self.frames.len() - 1;
             let count = samples.len() as f64;
             let place = samples.iter().fold(Position::ORIGIN, |sum, sample| sum + sample.position) * (1.0 / count);
+            let velocity = samples.iter().fold(Position::ORIGIN, |sum, sample| sum + sample.velocity) * (1.0 / count);
             let offset = place - self.frames[pose].position;
             self.ranges.push(PoseRange {
                 pose,
                 node,
                 offset: [offset.x_m, offset.y_m],
+                velocity: [velocity.x_m, velocity.y_m],
                 height_m: heights_m[node] - place.z_m,
                 range_m: median(&mut samples.iter().map(|sample| sample.range_m).collect::<Vec<_>>()),
             });

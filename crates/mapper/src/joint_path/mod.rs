@@ -19,10 +19,10 @@ use std::str::FromStr;
 pub use drive::{EstimatedPath, PathPose};
 pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
-pub use report::{ContradictedPlace, HeldOut, PathFit, PathRanges};
+pub use report::{ContradictedPlace, HeldOut, LateClock, PathFit, PathRanges};
 pub use track::{
-    OnRobot, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings,
-    TrackStrengthLaw, track,
+    DoubtedReceiver, OnRobot, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw,
+    TrackSettings, TrackStrengthLaw, track,
 };
 
 /// How wrong odometry is: standard deviations.

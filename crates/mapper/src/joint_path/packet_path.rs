@@ -10,7 +10,7 @@ use super::drive::{EstimatedPath, PathPose};
 use super::odometry::{FACTORS, Leg, Odometry, legs};
 use super::packet_problem::{Heard, NodeGrid, PacketPoint, PacketProblem};
 use super::reception_curve::ReceptionCurve;
-use super::report::PathFit;
+use super::report::{LateClock, PathFit};
 use crate::error::MapError;
 use crate::log_facts::reach::{HeardNode, heard_nodes, reach_m};
 
@@ -163,6 +163,38 @@ pub(super) fn by_packets(
     let top = Top { point: search.point, ..top };
     let odometry = Odometry { error: chosen, ..search.odometry };
     Ok(estimated(log, &drive, &nodes.nodes, &odometry, &top, settled))
+}
+
+impl EstimatedPath {
+    /// The path as it is believed to be, because the packets are late by its clock.
+    #[must_use]
+    pub fn believed(log: &ReceptionLog, odometry: PathError, late: LateClock) -> Self {
+        let drive = PacketDrive::of(log);
+        let pose = |&stop: &usize| {
+            let own = &log.stops()[stop];
+            let [x, y] = place(log, stop);
+            PathPose::of(own.robot, own.time, own.position, &Vector4::new(x, y, 0.0, 0.0), None)
+        };
+        let poses: Vec<PathPose> = drive.order.iter().map(pose).collect();
+        let fit = PathFit {
+            poses: poses.len(),
+            nodes: Vec::new(),
+            known_nodes: 0,
+            length_m: drive.legs.iter().filter(|leg| !leg.is_jump).map(|leg| leg.length_m).sum(),
+            odometry,
+            scale: 0.0,
+            scale_deviation: 0.0,
+            drift_rad_per_m: 0.0,
+            drift_deviation_rad_per_m: 0.0,
+            ranges: None,
+            most_moved_m: 0.0,
+            held_out: None,
+            contradicted: Vec::new(),
+            late_clock: Some(late),
+            settled: true,
+        };
+        Self { poses, fit }
+    }
 }
 
 fn place(log: &ReceptionLog, stop: usize) -> [f64; 2] {
@@ -404,6 +436,7 @@ fn estimated(
         most_moved_m: poses.iter().map(|pose| pose.position.distance_m(pose.believed)).fold(0.0, f64::max),
         held_out: None,
         contradicted: Vec::new(),
+        late_clock: None,
         settled: settled && covariances.is_some(),
     };
     EstimatedPath { poses, fit }

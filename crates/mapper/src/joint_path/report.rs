@@ -36,8 +36,19 @@ pub struct PathFit {
     pub held_out: Option<HeldOut>,
     /// Known places that the ranges contradict.
     pub contradicted: Vec<ContradictedPlace>,
+    /// The packets are late by the clock of the path, so that it was not estimated.
+    pub late_clock: Option<LateClock>,
     /// Whether the search ended by itself.
     pub settled: bool,
+}
+
+/// How late packets are by the clock of the path. A path that is estimated by them would bend to that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LateClock {
+    /// By how much they are late (s).
+    pub delay_s: f64,
+    /// Its standard deviation (s).
+    pub deviation_s: f64,
 }
 
 /// A known place that the ranges to its node contradict.
@@ -96,6 +107,10 @@ pub struct PathRanges {
     pub scale: f64,
     /// Its standard deviation.
     pub scale_deviation: f64,
+    /// How late the ranges are by the clock of the path (s).
+    pub delay_s: f64,
+    /// Its standard deviation (s).
+    pub delay_deviation_s: f64,
 }
 
 #[cfg(feature = "config")]
@@ -129,6 +144,12 @@ struct PathKeys<'a> {
     range_scale: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     range_scale_sd: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_delay_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range_delay_sd_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    packets_late_s: Option<f64>,
 }
 
 impl PathFit {
@@ -141,7 +162,7 @@ impl PathFit {
     /// Whether the path was moved: nodes that were left out gain by it, or there were too few of them to tell.
     #[must_use]
     pub fn is_moved(&self) -> bool {
-        self.held_out.is_none_or(|held_out| held_out.is_clear)
+        self.late_clock.is_none() && self.held_out.is_none_or(|held_out| held_out.is_clear)
     }
 
     /// The same as an object of a summary.
@@ -170,6 +191,9 @@ impl PathFit {
             range_bias_m: self.ranges.map(|ranges| ranges.bias_m),
             range_scale: self.ranges.map(|ranges| ranges.scale),
             range_scale_sd: self.ranges.map(|ranges| ranges.scale_deviation),
+            range_delay_s: self.ranges.map(|ranges| ranges.delay_s),
+            range_delay_sd_s: self.ranges.map(|ranges| ranges.delay_deviation_s),
+            packets_late_s: self.late_clock.map(|late| late.delay_s),
         };
         serde_json::to_value(&keys).expect("plain numbers and names")
     }
@@ -190,6 +214,16 @@ impl fmt::Display for PathFit {
                 "warning: `{node}` is known {apart_m:.2} m from where its ranges place it (allowed: {allowed_m:.2} m), so its known place, \
                  its ranges, or the other known places are wrong; "
             )?;
+        }
+        if let Some(LateClock { delay_s, deviation_s }) = self.late_clock {
+            return write!(
+                f,
+                "the path stays as it is: the packets seem to be {:.2} ± {:.2} s {} by its clock, and a path that is estimated by \
+                 them would bend to that; take the delay off first (`packet_delay=auto`)",
+                delay_s.abs(),
+                2.0 * deviation_s,
+                if delay_s > 0.0 { "late" } else { "early" },
+            );
         }
         let by = if self.ranges.is_some() { "ranges" } else { "packets" };
         if let Some(HeldOut { gain, error, .. }) = self.held_out.filter(|_| !self.is_moved()) {
@@ -223,6 +257,15 @@ impl fmt::Display for PathFit {
                 f,
                 "; ranges are {:.1} % longer than odometry says: one of the two has a wrong scale, and a known distance tells which",
                 100.0 * ranges.scale
+            )?;
+        }
+        if let Some(ranges) = self.ranges.filter(|ranges| ranges.delay_s.abs() > 3.0 * ranges.delay_deviation_s) {
+            let which = if ranges.delay_s > 0.0 { "late" } else { "early" };
+            write!(
+                f,
+                "; ranges are {:.2} ± {:.2} s {which} by its clock (corrected)",
+                ranges.delay_s.abs(),
+                2.0 * ranges.delay_deviation_s
             )?;
         }
         if !self.settled {

@@ -161,3 +161,38 @@ fn errors_of_odometry_are_read() {
         assert!(text.parse::<PathError>().is_err(), "{text}");
     }
 }
+
+#[test]
+fn ranges_that_are_late_take_the_drift_from_a_path_with_their_delay() {
+    // The robot drives with 1 m/s, and each range is of half a second before.
+    let drifted = drive(0.01);
+    let mut log = log(&drifted, true);
+    let moved = |sample: &RangeSample| {
+        let step = usize::try_from(sample.time.as_nanos() / 500_000_000).unwrap();
+        let before = step.saturating_sub(1);
+        let now = place(drifted[step].0).distance_m(place(NODES[sample.node.index()]));
+        let then = place(drifted[before].0).distance_m(place(NODES[sample.node.index()]));
+        let velocity = (place(drifted[step].1) - place(drifted[before].1)) * 2.0;
+        RangeSample { range_m: sample.range_m + then - now, velocity, ..*sample }
+    };
+    let late = log.ranges().iter().map(moved).collect();
+    log = log.with_ranges(late).unwrap();
+    let found = estimate_path(&log, PathError::default(), &[], &Unwatched).unwrap();
+    let ranges = found.fit.ranges.unwrap();
+    assert!((ranges.delay_s - 0.5).abs() < 0.05, "{ranges:?}");
+    assert!(
+        found.fit.is_moved() && error_m(&found, &drifted) < 0.3,
+        "{} m, {}",
+        error_m(&found, &drifted),
+        found.fit
+    );
+}
+
+#[test]
+fn a_path_does_not_bend_to_packets_that_are_late() {
+    let right: Vec<_> = drive(0.0).into_iter().step_by(2).collect();
+    let late = LateClock { delay_s: 2.0, deviation_s: 0.2 };
+    let found = EstimatedPath::believed(&log(&right, false), PathError::default(), late);
+    assert!(!found.fit.is_moved() && error_m(&found, &right) <= 0.0);
+    assert!(found.fit.to_string().contains("2.00 ± 0.40 s late"), "{}", found.fit);
+}

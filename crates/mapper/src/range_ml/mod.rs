@@ -1,9 +1,11 @@
 //! Maximum likelihood on measured ranges: the places of nodes, and what is wrong with the ranges, all from one log.
 
 pub(crate) mod error_law;
+mod explained;
 mod few;
 mod fit;
 mod groups;
+mod heights;
 mod modes;
 mod places;
 mod problem;
@@ -21,6 +23,7 @@ use self::problem::HeightPrior;
 use self::problem::Problem;
 pub use self::report::{AmbiguousNode, RangeFit, RangeUnit};
 use self::solution::{ErrorShares, Solution};
+pub(crate) use self::unit::UNITS;
 use crate::error::MapError;
 use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
@@ -127,8 +130,23 @@ impl RangeMl {
         if fit.is_odd(groups.usual_m()) {
             fit.unit = unit::other_unit(&self.settings, &groups, heights, watch)?;
         }
-        for (node, estimate) in estimates {
-            let concern = fit.unit.map_or(estimate.concern, |_| Some(Concern::Unsettled));
+        fit.is_beyond_prior = self.settings.is_beyond(&fit);
+        if fit.unit.is_none() && fit.seems_higher() && heights.is_given() {
+            fit.higher_m = heights::higher(&self.settings, &groups, heights, watch)?;
+        }
+        fit.unexplained = (estimates.iter().enumerate())
+            .filter(|&(number, _)| fit.explained.is_no_place(number))
+            .map(|(_, (node, _))| log.names()[node.index()].clone())
+            .collect();
+        for (number, (node, estimate)) in estimates.into_iter().enumerate() {
+            let is_nothing = fit.explained.is_nothing() || fit.explained.is_no_place(number);
+            let concern = if fit.unit.is_some() {
+                Some(Concern::Unsettled)
+            } else if is_nothing {
+                Some(Concern::NoEvidence)
+            } else {
+                estimate.concern
+            };
             map.estimates[node.index()] = Some(Estimate { concern, ..estimate });
         }
         ambiguous.extend(of_solution);
@@ -172,6 +190,18 @@ impl TryFrom<RangeMlConfig> for RangeMl {
             delay_error_s: at_most("delay_error_s", delay_error_s, 10.0)?,
         };
         Ok(Self { settings, z_range_m })
+    }
+}
+
+impl Settings {
+    /// Whether the bias or the scale is far beyond what was thought possible.
+    fn is_beyond(&self, fit: &RangeFit) -> bool {
+        const FAR: f64 = 3.0;
+        // Without a bias or a scale, rounding is none.
+        const LEAST: [f64; 2] = [0.1, 0.01];
+        let prior = self.prior(ErrorShares::ALL).deviation;
+        fit.bias_m.abs() > FAR * prior[problem::BIAS].max(LEAST[0])
+            || fit.scale.abs() > FAR * prior[problem::SCALE].max(LEAST[1])
     }
 }
 

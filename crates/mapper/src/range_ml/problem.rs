@@ -11,7 +11,7 @@ use super::groups::{RangeGroup, RangeGroups};
 pub(super) const SHARED: usize = 7;
 /// The places of bias, scale and delay among them; the law of errors comes after.
 pub(super) const BIAS: usize = 0;
-const SCALE: usize = 1;
+pub(super) const SCALE: usize = 1;
 const DELAY: usize = 2;
 pub(super) const ERRORS: usize = 3;
 
@@ -145,7 +145,7 @@ impl Residual {
 
 impl Problem<'_> {
     /// The prior precision of a node's state.
-    fn node_precision(&self) -> Vector4<f64> {
+    pub(super) fn node_precision(&self) -> Vector4<f64> {
         let height = if self.heights.is_given() { 0.0 } else { self.heights.deviation_m.powi(-2) };
         Vector4::new(0.0, 0.0, height, self.node_bias_m.powi(-2))
     }

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use sextant_channel::{Position, RangeErrorLaw};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{counted, listed};
 
+use super::explained::Explained;
 use super::places::Place;
 use crate::learned::{Finding, Line, Section, Unconverged};
 use crate::topology_map::TopologyMap;
@@ -51,6 +52,16 @@ pub struct RangeFit {
     pub worth: f64,
     /// Standard deviation of the mean errors over directions from a node (m).
     pub by_direction_m: f64,
+    /// By how much errors by direction usually move a place along an axis beyond that (m): its region holds this.
+    pub moved_by_direction_m: f64,
+    /// What the places gain over constant ranges.
+    pub(super) explained: Explained,
+    /// The nodes whose ranges a constant explains clearly better than any place.
+    pub unexplained: Vec<String>,
+    /// Whether bias or scale is far beyond what was thought possible.
+    pub is_beyond_prior: bool,
+    /// How far nodes are above or below a level path (m), if that explains the ranges clearly better than bias and scale.
+    pub higher_m: Option<f64>,
     /// Whether the search ended by itself.
     pub settled: bool,
     /// The nodes whose ranges leave several places.
@@ -79,6 +90,18 @@ impl RangeFit {
     /// Whether most ranges fit no place: then places and law say nothing.
     pub(super) fn is_mostly_wild(&self) -> bool {
         self.errors.shares().wild > 0.5
+    }
+
+    /// Whether places explain the ranges no better than a constant.
+    #[must_use]
+    pub fn is_no_distance(&self) -> bool {
+        self.explained.is_nothing()
+    }
+
+    /// Whether ranges are too long near nodes, and less so far from them, as ranges to nodes at another height are.
+    pub(super) fn seems_higher(&self) -> bool {
+        const CLEAR: f64 = 3.0;
+        self.bias_m > CLEAR * self.bias_deviation_m && self.scale < -CLEAR * self.scale_deviation
     }
 
     /// Whether ranges that are usually so long (m) fit their places so badly that they may be in another unit.
@@ -126,6 +149,20 @@ struct RangeLawKeys {
     worth: f64,
     /// Standard deviation of the mean errors over directions from a node (m).
     by_direction_m: f64,
+    /// By how much errors by direction usually move a place along an axis beyond that (m).
+    moved_by_direction_m: f64,
+    /// Whether places explain the ranges no better than a constant.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    no_distance: bool,
+    /// Nodes whose ranges a constant explains clearly better than any place.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unexplained: Vec<String>,
+    /// Whether bias or scale is far beyond what was thought possible.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    is_beyond_prior: bool,
+    /// How far nodes are above or below a level path (m), if that explains the ranges clearly better.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    higher_m: Option<f64>,
     /// Nodes whose ranges leave several places, that on the map first, and the share of the probability of each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     ambiguous: Vec<AmbiguousKeys>,
@@ -181,6 +218,11 @@ impl Finding for RangeFit {
             wild_share: shares.wild,
             worth: self.worth,
             by_direction_m: self.by_direction_m,
+            moved_by_direction_m: self.moved_by_direction_m,
+            no_distance: self.is_no_distance(),
+            unexplained: self.unexplained.clone(),
+            is_beyond_prior: self.is_beyond_prior,
+            higher_m: self.higher_m,
             ambiguous: self.ambiguous.iter().map(keys_of).collect(),
             unit: self.unit.map(|unit| unit.name),
         };
@@ -211,7 +253,34 @@ impl Finding for RangeFit {
         if self.delay_s.abs() > 3.0 * self.delay_deviation_s {
             let _ = write!(text, ", {:.2} ± {:.2} s late (corrected)", self.delay_s, 2.0 * self.delay_deviation_s);
         }
+        if self.moved_by_direction_m > 0.05 {
+            let _ = write!(text, ", errors by direction move places by {:.2} m", self.moved_by_direction_m);
+        }
         let mut lines = vec![Line { section: Section::Laws, text }];
+        let mut warn = |what: String| {
+            lines.push(Line { section: Section::Warnings, text: format!("{name}: warning: {what}") });
+        };
+        if self.is_no_distance() {
+            warn("distances explain nothing here: places explain the ranges no better than one constant range a node, so no place is \
+                  reliable; check that each range is that of its node at its time or stop".to_owned());
+        } else if !self.unexplained.is_empty() {
+            let nodes = listed(&self.unexplained);
+            warn(format!("a constant explains the ranges of these nodes better than any place: {nodes}"));
+        }
+        if let Some(higher_m) = self.higher_m {
+            warn(format!(
+                "nodes {higher_m:.1} m above or below the path would explain bias and scale, and the ranges clearly better: give \
+                 heights (`z_range_m`), or places in the plane are wrong by what these hide"
+            ));
+        }
+        if self.is_beyond_prior && self.unit.is_none() {
+            warn(format!(
+                "ranges that are {:.2} m and {:.1} % too long are far beyond what devices have: check the units of ranges, places and \
+                 antennas (`tags.csv`), and that nodes are those of the ranges",
+                self.bias_m,
+                100.0 * self.scale
+            ));
+        }
         if let Some(RangeUnit { name: unit, of_metre }) = self.unit {
             let text = format!(
                 "{name}: warning: the ranges fit places clearly better as {unit} than as metres, of which each has {of_metre} of them: \

@@ -5,13 +5,14 @@ use sextant_channel::RangeErrorLaw;
 use sextant_kernel::{Interrupted, NodeId, Watch};
 
 use super::error_law;
+use super::explained::Explained;
 use super::fit::{Fitted, fitted};
 use super::groups::RangeGroups;
 use super::modes::{least_squares, middle, modes, settled};
 use super::places::{Place, are_two, estimate, places};
 use super::problem::{BIAS, ERRORS, HeightPrior, NodeMode, NodeState, Point, Problem, Shared, SharedPrior};
 use super::report::RangeFit;
-use super::spread::{autocorrelation_time, variance_over_directions};
+use super::spread::{ByDirection, autocorrelation_time};
 use super::{NodeBias, Settings};
 use crate::numerics::median;
 use crate::posterior::{Concern, Estimate, LIKELY};
@@ -308,7 +309,7 @@ impl Search<'_> {
     /// The estimates: means over the trials, as wide as these say, and as far as they differ.
     fn solution(&self, trials: &[Trial], places: &[Vec<Place>], samples: usize) -> Solution {
         let best = best(trials).expect("there is a trial");
-        let by_direction = variance_over_directions(&self.problem, &best.fitted.point);
+        let by_direction = ByDirection::of(&self.problem, &best.fitted.point);
         let settled = trials.iter().all(|trial| trial.fitted.settled || trial.weight < 1e-3);
         let point = &best.fitted.point;
         let deviations = best.fitted.curvature.deviations();
@@ -328,14 +329,21 @@ impl Search<'_> {
             errors: law,
             log_density: self.problem.mean_log_density(point),
             worth: self.problem.worth,
-            by_direction_m: by_direction.sqrt(),
+            by_direction_m: by_direction.left.sqrt(),
+            moved_by_direction_m: by_direction.moved_m(),
+            explained: Explained::of(&self.problem, point),
+            higher_m: None,
+            unexplained: Vec::new(),
+            is_beyond_prior: false,
             settled,
             ambiguous: Vec::new(),
             unit: None,
         };
         let is_sure = settled && !fit.is_mostly_wild();
         let estimates = (self.problem.groups.nodes.iter().enumerate())
-            .map(|(number, &node)| (node, self.estimate(number, trials, &places[number], by_direction, is_sure)))
+            .map(|(number, &node)| {
+                (node, self.estimate(number, trials, &places[number], by_direction.covariance(number), is_sure))
+            })
             .collect();
         let in_two = |(&node, places): (&NodeId, &Vec<Place>)| are_two(places).then(|| (node, places.clone()));
         let ambiguous = self.problem.groups.nodes.iter().zip(places).filter_map(in_two).collect();
@@ -348,7 +356,7 @@ impl Search<'_> {
         number: usize,
         trials: &[Trial],
         places: &[Place],
-        by_direction: f64,
+        by_direction: Matrix3<f64>,
         is_sure: bool,
     ) -> Estimate {
         // Means are taken over the trials in which the node is at the same of its places.
@@ -361,7 +369,7 @@ impl Search<'_> {
         let weight: f64 = plainest().map(|(trial, _)| trial.weight).sum();
         let mean: Vector3<f64> = plainest().map(|(trial, place)| place.place * (trial.weight / weight)).sum();
         let weight: f64 = there().map(|(trial, _)| trial.weight).sum();
-        let mut covariance = Matrix3::from_diagonal_element(by_direction);
+        let mut covariance = by_direction;
         for (trial, place) in there() {
             let apart = place.place - mean;
             covariance += (place.covariance * trial.widened() + apart * apart.transpose()) * (trial.weight / weight);

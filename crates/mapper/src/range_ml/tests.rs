@@ -145,9 +145,14 @@ fn nodes_with_up_to_three_ranges_have_a_region_that_holds_them_and_never_converg
 
 #[test]
 fn ranges_in_another_unit_place_no_node_reliably() {
-    for (of_metre, unit) in
-        [(3.28084, "feet"), (3.33564, "one way"), (6.67, "there and back"), (100.0, "centi"), (1000.0, "milli")]
-    {
+    for (of_metre, unit) in [
+        (2.0, "halve them"),
+        (3.28084, "feet"),
+        (3.33564, "one way"),
+        (6.67, "there and back"),
+        (100.0, "centi"),
+        (1000.0, "milli"),
+    ] {
         let errors = Errors { scale: of_metre - 1.0, noise_m: 0.1 * of_metre, ..Errors::default() };
         let (map, fit) = map(&log(&nodes(), &loops()[..4], errors));
         let of_nodes = map.estimates.iter().flatten();
@@ -230,4 +235,70 @@ fn the_shares_of_mirror_images_are_as_often_right() {
     // Three standard deviations.
     assert!((right - expected).abs() < 3.0 * variance.sqrt(), "{right} of 60 are right, {expected} expected");
     assert!(told > 20, "{told}");
+}
+
+/// The same log with ranges that are longer by this, of each range with its node and the direction to that (rad).
+fn longer(log: &ReceptionLog, nodes: &[Position], by_m: impl Fn(usize, f64, Position) -> f64) -> ReceptionLog {
+    let changed = |sample: &RangeSample| {
+        let apart = nodes[sample.node.index()] - sample.position;
+        let by_m = by_m(sample.node.index(), libm::atan2(apart.y_m, apart.x_m), sample.position);
+        RangeSample { range_m: sample.range_m + by_m, ..*sample }
+    };
+    log.clone().with_ranges(log.ranges().iter().map(changed).collect()).unwrap()
+}
+
+/// How many of the true places are in the regions of the plane, and the widest of these (m).
+fn held(map: &TopologyMap, nodes: &[Position]) -> (usize, f64) {
+    let (mut held, mut widest_m) = (0, 0.0_f64);
+    for (estimate, place) in map.estimates.iter().zip(nodes) {
+        let estimate = estimate.as_ref().unwrap();
+        let [[xx, xy, _], [_, yy, _], _] = estimate.covariance.unwrap();
+        let (x, y) = (place.x_m - estimate.position.x_m, place.y_m - estimate.position.y_m);
+        held += usize::from((yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy) < 6.0);
+        widest_m = widest_m.max(xx.max(yy).sqrt());
+    }
+    (held, widest_m)
+}
+
+#[test]
+fn regions_hold_what_errors_by_direction_move() {
+    let nodes = nodes();
+    let plain = log(&nodes, &loops(), Errors { noise_m: 0.1, ..Errors::default() });
+    let (map_of_plain, fit) = map(&plain);
+    let (of_plain, widest_m) = held(&map_of_plain, &nodes);
+    assert!(of_plain == nodes.len() && widest_m < 0.15, "{widest_m} m, {fit:?}");
+    // Up to 0.4 m longer on one side of each node.
+    let by_side =
+        longer(&plain, &nodes, |node, direction, _| 0.4 * libm::cos(direction - 1.3 * node as f64).max(0.0));
+    let (found, fit) = map(&by_side);
+    assert!(held(&found, &nodes).0 + 1 >= nodes.len(), "{:?}", fit);
+    assert!(fit.unwrap().moved_by_direction_m > 0.05);
+}
+
+#[test]
+fn ranges_that_are_pure_noise_place_no_node() {
+    let stops: Vec<Position> = (0..12).map(|stop| at(f64::from(7 * stop % 20), f64::from(11 * stop % 15))).collect();
+    let samples = (0..8).flat_map(|node| (0..stops.len()).map(move |stop| (node, stop)));
+    let noise = samples.map(|(node, stop)| {
+        let range_m = 1.0 + 19.0 * Seed(7).uniform(Purpose::new(8), [u64::from(node), stop as u64, 0]);
+        RangeSample::of(NodeId(node), stops[stop], range_m)
+    });
+    let names = (0..8).map(|node| format!("n{node}")).collect();
+    let log = ReceptionLog::new(names, vec![Stop::at(stops[0])], Vec::new(), Vec::new()).unwrap();
+    let (map, fit) = map(&log.with_ranges(noise.collect()).unwrap());
+    let fit = fit.unwrap();
+    assert!(fit.is_no_distance(), "{fit:?}");
+    assert!(map.estimates.iter().flatten().all(|estimate| estimate.concern.is_some()));
+    let lines = crate::learned::Finding::lines(&fit, "a", &map);
+    assert!(lines.iter().any(|line| line.text.contains("explain nothing")), "{lines:?}");
+}
+
+#[test]
+fn heights_that_look_like_a_bias_and_a_scale_are_told() {
+    let raised: Vec<Position> = nodes().into_iter().map(|place| Position::new(place.x_m, place.y_m, 2.7)).collect();
+    let (_, fit) = map(&log(&raised, &loops(), Errors { noise_m: 0.05, ..Errors::default() }));
+    let fit = fit.unwrap();
+    assert!(fit.higher_m.is_some_and(|higher_m| (higher_m - 2.7).abs() < 0.5), "{fit:?}");
+    let (_, level) = map(&log(&nodes(), &loops(), Errors { noise_m: 0.05, bias_m: 0.5, ..Errors::default() }));
+    assert_eq!(level.unwrap().higher_m, None);
 }

@@ -10,8 +10,10 @@ use super::report::RangeUnit;
 use super::solution::{ErrorShares, NODE_BIAS_M, by_least_squares};
 
 /// Metres, and what ranges may be in instead. Feet and nanoseconds of light differ by less than scales do.
-const UNITS: [RangeUnit; 5] = [
+pub(crate) const UNITS: [RangeUnit; 7] = [
     RangeUnit { name: "metres", of_metre: 1.0 },
+    RangeUnit { name: "the way there and back (halve them)", of_metre: 2.0 },
+    RangeUnit { name: "kilometres (multiply them by 1000)", of_metre: 0.001 },
     RangeUnit { name: "feet (range_ft) or nanoseconds of light one way (range_ns)", of_metre: 3.308 },
     RangeUnit {
         name: "nanoseconds of light there and back (halve them, and name the column range_ns)",
@@ -30,12 +32,16 @@ pub(super) fn other_unit(
     heights: HeightPrior,
     watch: &dyn Watch,
 ) -> Result<Option<RangeUnit>, Interrupted> {
+    // A unit that needs a scale far beyond that of devices is none.
+    const LARGEST_SCALE: f64 = 0.15;
     let mut found = [f64::NEG_INFINITY; UNITS.len()];
     for (log_evidence, unit) in found.iter_mut().zip(UNITS) {
         let groups = groups.times(1.0 / unit.of_metre);
         let prior = settings.prior(ErrorShares::ALL);
         let problem = Problem { groups: &groups, prior, heights, node_bias_m: NODE_BIAS_M, worth: 1.0 };
-        if let Some(fitted) = fitted(&problem, by_least_squares(&problem, prior.mean), watch)? {
+        if let Some(fitted) = fitted(&problem, by_least_squares(&problem, prior.mean), watch)?
+            && (unit.of_metre.total_cmp(&1.0).is_eq() || fitted.point.scale().abs() < LARGEST_SCALE)
+        {
             *log_evidence = fitted.log_evidence - groups.len() as f64 * libm::log(unit.of_metre);
         }
     }

@@ -4,15 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::{NetworkLogs, ObstacleField, Position, ReceptionLog};
-use sextant_kernel::{Files, NodeId, Seed, SettingError, Watch};
-use sextant_mapper::{EstimatedPath, PathError, PlacePrior, estimate_path};
+use sextant_kernel::{Files, NodeId, RobotId, Seed, SettingError, SimTime, Watch};
+use sextant_mapper::{EstimatedPath, LateClock, PathError, PlacePrior, estimate_path};
 
 use super::error::MapLogError;
 use crate::floorplan::{self, FloorPlanError, FloorPlanOptions};
 use crate::measure::Dimensions;
 use crate::scenario::{AlgorithmName, MapSettings, RecordedScenario, ScenarioErrors};
 use sextant_kernel::text::{counted, listed};
-use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
+use sextant_logs::{self as robot_log, ClockOffset, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
 use sextant_recording::{self as recording, MutualKnowledge, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
 
 /// A reception log and what is known with it.
@@ -42,6 +42,10 @@ pub struct Input {
     pub estimated_path: Option<EstimatedPath>,
     /// The log on the path as it was believed to be, if the estimated one is another.
     pub believed_log: Option<ReceptionLog>,
+    /// How late the packets of the log are by the clock of its path, if it tells that.
+    pub clock: Option<ClockOffset>,
+    /// The middle of the time of each stop that is a part of a path, by its robot and its start.
+    pub middles: BTreeMap<(RobotId, SimTime), SimTime>,
     /// What stands on the floor, if the user has a plan of it: maps that know obstacles know these, and figures show them.
     pub floor: Option<ObstacleField>,
     /// Notes on the log for the user.
@@ -88,9 +92,9 @@ impl Input {
     /// # Ok::<(), sextant_logs::RobotLogError>(())
     /// ```
     #[must_use]
-    pub fn of_log(RobotLog { log, plane, mut notes, findings, clock: _ }: RobotLog) -> Self {
+    pub fn of_log(RobotLog { log, plane, mut notes, findings, clock, middles }: RobotLog) -> Self {
         notes.extend(findings.iter().map(ToString::to_string));
-        Self::of_robot(log, plane, notes)
+        Self { clock, middles, ..Self::of_robot(log, plane, notes) }
     }
 
     /// The logs of the networks that robots surveyed, the first one to map.
@@ -114,6 +118,8 @@ impl Input {
             seed: Seed(1),
             estimated_path: None,
             believed_log: None,
+            clock: None,
+            middles: BTreeMap::new(),
             floor: None,
             notes,
             plane,
@@ -166,6 +172,8 @@ impl Input {
             seed: Seed(seed.unwrap_or(1)),
             estimated_path: None,
             believed_log: None,
+            clock: None,
+            middles: BTreeMap::new(),
             floor: None,
             notes,
             plane: None,
@@ -268,7 +276,14 @@ impl Input {
                 None => strangers.push(name),
             }
         }
-        let estimated = estimate_path(log, error, &places, watch)?;
+        // Ranges tell their delay with the path. Packets do not, and a path bends to a late clock.
+        let late = self.clock.filter(|clock| clock.is_clear && log.ranges().is_empty());
+        let estimated = match late {
+            Some(ClockOffset { delay_s, error_s, .. }) => {
+                EstimatedPath::believed(log, error, LateClock { delay_s, deviation_s: error_s })
+            }
+            None => estimate_path(log, error, &places, watch)?,
+        };
         let moved = estimated.log(log);
         if !strangers.is_empty() {
             self.notes

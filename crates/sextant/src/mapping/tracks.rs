@@ -6,11 +6,11 @@ use std::path::Path;
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, Source, TagReadings, TagTables};
-use sextant_mapper::{PositionError, Track, TrackMotion, TrackSettings, track};
+use sextant_mapper::{DoubtedReceiver, PositionError, Track, TrackMotion, TrackSettings, track};
 use sextant_recording as recording;
 
 use super::error::MapLogError;
-use crate::summary::{ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, peak_rss_bytes};
+use crate::summary::{DoubtedSummary, ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, peak_rss_bytes};
 
 /// What a track is made from.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +77,14 @@ pub fn tracks(
     for (tag, readings) in tags {
         let found = track(&receivers, &readings, job.settings, watch)?;
         let heard: BTreeSet<usize> = readings.iter().map(|reading| reading.receiver).collect();
-        summaries.push(summary(&tag, &found, heard.len(), job.truth));
+        let name = |receiver: usize| job.known.keys().nth(receiver).cloned().unwrap_or_default();
+        let doubted = found.doubted.iter().map(|&DoubtedReceiver { receiver, off_m, others_m }| DoubtedSummary {
+            receiver: name(receiver),
+            off_m,
+            others_m,
+        });
+        let doubted = doubted.collect();
+        summaries.push(TrackSummary { doubted, ..summary(&tag, &found, heard.len(), job.truth) });
         tracks.push((tag, found));
     }
     notes.extend(job.truth.and_then(|truth| apart(truth, &tracks)));
@@ -150,6 +157,9 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         odometry_scale: odometry.map(|(scale, _)| scale),
         odometry_drift_rad_per_m: odometry.map(|(_, drift)| drift),
         settled: fit.settled,
+        doubted: Vec::new(),
+        unit: track.unit.map(|unit| unit.name.to_owned()),
+        is_beyond_prior: fit.of_ranges.is_some_and(|law| law.is_beyond_prior()),
         position_rmse_m: (count > 0.0).then(|| (squares / count).sqrt()),
         in_region_95: (count > 0.0).then(|| held / count),
         position_error_m: PositionError::of(&errors_m).map(ErrorSummary::from),

@@ -109,6 +109,7 @@ pub(crate) fn measure(
     let first = connectivity_errors.first().copied().unwrap_or_default();
     Ok(MapSummary {
         measured: (known.len() < places.len()).then(|| mapped.iter().flatten().count()),
+        regions_in: has_flat_regions(truth, &estimates).then_some(MeasuredIn::Plane),
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         position_error_cdf: position_error_cdf(truth, &found, sought),
         coverage_95: coverage_95(truth, &estimates),
@@ -120,6 +121,20 @@ pub(crate) fn measure(
         connectivity_errors,
         ..outline(subject, map, learned, names)
     })
+}
+
+/// Whether regions say nothing of heights, although a node is higher or lower than the map has it.
+fn has_flat_regions(truth: &[Position], estimates: &[Option<&Estimate>]) -> bool {
+    /// Heights that differ by less are equal (m).
+    const EQUAL_M: f64 = 0.1;
+    let is_beside = |(place, estimate): (&Position, &Option<&Estimate>)| {
+        let covariance = |estimate: &Estimate| estimate.covariance.filter(|covariance| covariance[0][0] > 0.0);
+        estimate.is_some_and(|estimate| {
+            let is_flat = covariance(estimate).is_some_and(|covariance| covariance[2][2] <= 0.0);
+            is_flat && (estimate.position.z_m - place.z_m).abs() > EQUAL_M
+        })
+    };
+    truth.iter().zip(estimates).any(is_beside)
 }
 
 /// Whether all places of a map are at height 0, and known to be.

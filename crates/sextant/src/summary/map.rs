@@ -46,6 +46,10 @@ pub struct MapSummary {
     /// `plane` if the map is measured in the plane of x and y, because the true positions have no heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured_in: Option<MeasuredIn>,
+    /// `plane` if errors are in space and regions in the plane of x and y, because the map has nodes at a height that was not estimated,
+    /// and the true ones are elsewhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub regions_in: Option<MeasuredIn>,
     /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -69,11 +69,17 @@ fn learned(map: &MapSummary, section: Section) -> impl Iterator<Item = String> {
 fn measured(map: &MapSummary, name: &str) -> Vec<String> {
     let in_plane = (map.measured_in == Some(MeasuredIn::Plane))
         .then(|| format!("{name}: errors and regions in the plane (x, y): the true positions have no heights"));
+    let flat = (map.regions_in == Some(MeasuredIn::Plane)).then(|| {
+        format!(
+            "{name}: errors are in space, and regions in the plane (x, y): the map has nodes at a height that was not estimated, and \
+             true ones are elsewhere; `z_range_m` seeks heights"
+        )
+    });
     let some = map.measured.map(|measured| {
         let nodes = counted(map.mapped, "mapped node");
         format!("{name}: errors of {measured} of {nodes}: those whose true positions are known")
     });
-    in_plane.into_iter().chain(some).collect()
+    in_plane.into_iter().chain(flat).chain(some).collect()
 }
 
 /// Shares of the nodes by sector displacement, and the pairs of neighbours that have no bearing.
@@ -115,7 +121,7 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
             Concern::NoEvidence => format!("{has} no place that the evidence prefers"),
             Concern::TwoPlaces => {
-                format!("{has} two places that fit the ranges, each the mirror image of the other")
+                format!("{has} two places that fit the ranges about as well")
             }
             Concern::TooFew => format!("{has} fewer ranges or stops than a place needs"),
         };
@@ -128,7 +134,8 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
                 "stops where they are heard and others where they are not would tell where they are"
             }
             Concern::TwoPlaces => {
-                "a stop beside the straight way, or a `z_range_m` of heights, would tell which it is"
+                "on a straight way they are mirror images, which a stop beside it or a `z_range_m` of heights tells apart; on others the \
+                 node may have moved, or two have one name"
             }
             Concern::TooFew => "ranges or stops at more places would tell where they are",
         };

@@ -68,6 +68,15 @@ pub struct TrackSummary {
     pub odometry_drift_rad_per_m: Option<f64>,
     /// Whether the search ended by itself.
     pub settled: bool,
+    /// Receivers whose ranges fit the track clearly worse than those of the others.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubted: Vec<DoubtedSummary>,
+    /// The unit in which the ranges fit clearly better than as metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Whether bias or scale of the ranges is far beyond what devices have.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_beyond_prior: bool,
     /// Distances between the track and the true path in the plane (m), if that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
@@ -77,6 +86,17 @@ pub struct TrackSummary {
     /// Share of the poses whose 95 % region holds the true place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub in_region_95: Option<f64>,
+}
+
+/// A receiver whose ranges fit the track clearly worse than those of the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DoubtedSummary {
+    /// Its name.
+    pub receiver: String,
+    /// By how much its ranges are usually off (m).
+    pub off_m: f64,
+    /// By how much those of the usual receiver are (m).
+    pub others_m: f64,
 }
 
 /// Writes the tracks for people.
@@ -123,6 +143,28 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             writeln!(
                 out,
                 "{}: the receivers are on a line, so the mirror image of the track is as good; a side says which it is",
+                track.tag
+            )?;
+        }
+        if let Some(unit) = &track.unit {
+            writeln!(
+                out,
+                "{}: warning: the ranges fit clearly better as {unit} than as metres, so the track is not reliable",
+                track.tag
+            )?;
+        } else if track.is_beyond_prior {
+            writeln!(
+                out,
+                "{}: warning: such a bias or scale is far beyond what devices have: check units, receivers and height; the track is \
+                 not reliable",
+                track.tag
+            )?;
+        }
+        for DoubtedSummary { receiver, off_m, others_m } in &track.doubted {
+            writeln!(
+                out,
+                "{}: warning: the ranges of `{receiver}` are usually {off_m:.2} m off, those of the others {others_m:.2} m: its known \
+                 place or its name may be wrong, or something stands before it",
                 track.tag
             )?;
         }

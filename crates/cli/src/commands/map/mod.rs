@@ -326,7 +326,7 @@ fn estimate_path(arguments: &Arguments, input: &mut Input, watcher: &Watcher<'_>
     };
     input.estimate_path(arguments.path.path_error.unwrap_or_default(), &known, watcher)?;
     if let (Some(file), Some(path)) = (&arguments.path.path_out, &input.estimated_path) {
-        robot_log::write_path(file, path, |robot| input.log().robot_name(robot).into_owned())?;
+        robot_log::write_path(file, path, &input.middles, |robot| input.log().robot_name(robot).into_owned())?;
     }
     Ok(())
 }

@@ -1,11 +1,12 @@
 //! The end of gathering: how many packets each node sent at each stop, and the log.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use sextant_channel::ReceptionLogBuilder;
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 
-use super::{Gatherer, MOST_SILENT_PAIRS, silent};
+use super::{Gatherer, MOST_SILENT_PAIRS, RobotTrack, silent};
 use crate::doctor::{self, ClockDrift, ClockOffset};
 use crate::error::robot_log_error::RobotLogError;
 use crate::packets::cover;
@@ -13,7 +14,7 @@ use crate::packets::gathered::Gathered;
 use crate::packets::heard::{HeardPackets, reception};
 use crate::packets::interval::{Gaps, Intervals, intervals};
 use crate::packets::sending::{self, MOST_SENT};
-use crate::path::robot_path::Path;
+use crate::path::robot_path::{Path, later};
 use crate::path::slot::Slot;
 use crate::robot_log::RobotLog;
 use crate::time::instant;
@@ -82,12 +83,26 @@ impl Gatherer {
             .and_then(|log| log.with_robots(self.robots))
             .and_then(|log| log.with_ranges(ranges))
             .map_err(RobotLogError::Invalid)?;
+        let middles = self.middles();
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
         let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
         self.findings.splice(0..0, of_paths);
         self.findings.extend(doctor::listening::finding(&log, usual));
-        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock })
+        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock, middles })
+    }
+
+    /// The middle of the time of each stop, by its robot and its start.
+    fn middles(&self) -> BTreeMap<(RobotId, SimTime), SimTime> {
+        let of_robot = |(robot, track): (usize, &RobotTrack)| {
+            let middle = |slot: &Slot| later(slot.start, slot.end.saturating_since(slot.start) / 2);
+            track
+                .slots
+                .iter()
+                .map(|slot| ((RobotId::from_index(robot), slot.start), middle(slot)))
+                .collect::<Vec<_>>()
+        };
+        self.tracks.iter().enumerate().flat_map(of_robot).collect()
     }
 
     /// How late the packets are; a finding if they clearly are, or not always as much.

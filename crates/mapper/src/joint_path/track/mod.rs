@@ -1,5 +1,6 @@
 //! The way of a moving tag among receivers whose places are known.
 
+mod check;
 mod driven;
 mod epochs;
 mod exponent;
@@ -29,7 +30,7 @@ use outcome::tracked;
 use problem::{Border, Calibration, TrackPoint, TrackProblem, path_loss};
 pub use reading::{OnRobot, TagReading, TagValue};
 use regions::is_among;
-pub use report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+pub use report::{DoubtedReceiver, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
 use side::Line;
 use strengths::{EXPONENT, StrengthErrors};
 
@@ -69,6 +70,18 @@ pub struct TrackSettings {
 /// If there are fewer than three receivers, too few readings, a side is given of receivers that are not on a line, some readings have
 /// odometry and others have not, or `watch` ends the work.
 pub fn track(
+    receivers: &[Position],
+    readings: &[TagReading],
+    settings: TrackSettings,
+    watch: &dyn Watch,
+) -> Result<Track, MapError> {
+    let found = tracked_as_given(receivers, readings, settings, watch)?;
+    let unit = check::other_unit(&found, receivers, readings, settings, watch)?;
+    Ok(Track { unit, ..found })
+}
+
+/// The track, with ranges taken as metres.
+fn tracked_as_given(
     receivers: &[Position],
     readings: &[TagReading],
     settings: TrackSettings,

@@ -3,6 +3,8 @@
 use sextant_channel::{Position, RangeErrorLaw};
 use sextant_kernel::SimTime;
 
+use crate::range_ml::RangeUnit;
+
 /// Where a tag was at a time: with odometry the robot that carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPose {
@@ -32,6 +34,21 @@ pub struct Track {
     pub poses: Vec<TrackPose>,
     /// What was learned with it.
     pub fit: TrackFit,
+    /// Receivers whose ranges fit the track clearly worse than those of the others.
+    pub doubted: Vec<DoubtedReceiver>,
+    /// The unit in which the ranges fit clearly better than as metres: then the track is wrong.
+    pub unit: Option<RangeUnit>,
+}
+
+/// A receiver whose ranges fit a track clearly worse than those of the others: it is elsewhere, or they are not its ranges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubtedReceiver {
+    /// Its number.
+    pub receiver: usize,
+    /// By how much its ranges are usually off (m).
+    pub off_m: f64,
+    /// By how much those of the usual receiver are (m).
+    pub others_m: f64,
 }
 
 /// What was learned of ranges, strengths and motion with a track.
@@ -73,6 +90,18 @@ pub struct TrackRangeLaw {
     pub errors: RangeErrorLaw,
     /// How many independent ranges one is worth.
     pub worth: f64,
+    /// Mean logarithm of the density of the errors (per m).
+    pub log_density: f64,
+}
+
+impl TrackRangeLaw {
+    /// Whether bias or scale is far beyond what devices have.
+    #[must_use]
+    pub fn is_beyond_prior(&self) -> bool {
+        const FAR: f64 = 3.0;
+        let super::Calibration { bias_m, scale, .. } = super::AMONG;
+        self.bias_m.abs() > FAR * bias_m || self.scale.abs() > FAR * scale
+    }
 }
 
 /// What was learned of strengths.
