@@ -12,7 +12,8 @@ use crate::floorplan::{self, FloorPlanError, FloorPlanOptions};
 use crate::measure::Dimensions;
 use crate::scenario::{AlgorithmName, MapSettings, RecordedScenario, ScenarioErrors};
 use sextant_kernel::text::{counted, listed};
-use sextant_logs::{self as robot_log, ClockOffset, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
+use sextant_logs::doctor::ClockOffset;
+use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
 use sextant_recording::{self as recording, MutualKnowledge, ORIGIN_METADATA, RecordedRun, SCENARIO_ATTACHMENT};
 
 /// A reception log and what is known with it.

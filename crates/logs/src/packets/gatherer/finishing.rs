@@ -77,13 +77,13 @@ impl Gatherer {
             self.notes.push(format!("{brought} ranges were measured, of which {placed} count"));
             self.notes.extend(self.ranges.unit_note());
         }
+        let middles = self.middles();
         let ranges = self.ranges.finish(&mut self.notes);
         let log = receptions
             .build(self.names, self.stops, self.contacts)
             .and_then(|log| log.with_robots(self.robots))
             .and_then(|log| log.with_ranges(ranges))
             .map_err(RobotLogError::Invalid)?;
-        let middles = self.middles();
         let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
         let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
         let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
