@@ -74,8 +74,10 @@ fn mapped(known: KnownLog, site: String) -> Outcome<Option<MappedLog>> {
     let (_, choice) = Auto::try_from(AutoConfig::default())?.map(&known.log, None, &Unwatched)?;
     let Some(opinions) = choice.and_then(|choice| choice.opinions) else { return Ok(None) };
     let links = LinkModel::try_from(LinkModelConfig::default())?.with_own_share(opinions.own_share);
-    let (map, _) = links.map(&known.log, None, &Unwatched)?;
+    let (map, fit) = links.map(&known.log, None, &Unwatched)?;
     let others = OtherOpinions::of(&known.log, OpinionSource::Strengths, &Unwatched)?;
+    let has_far_nodes = fit.is_some_and(|fit| fit.has_far_nodes);
+    let others = if has_far_nodes { others.amid_stops(&known.log, &map) } else { others };
     let mut best_m = f64::INFINITY;
     for simple in estimators::all()?.iter().filter(|one| one.role == Role::Simple) {
         if let Some(measured) = measure(&simple.mapper, &known)? {

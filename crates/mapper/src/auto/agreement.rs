@@ -31,6 +31,25 @@ pub(super) fn enlargement(maps: &[TopologyMap]) -> f64 {
     if count > 0.0 { (sum / count).clamp(1.0, MOST) } else { 1.0 }
 }
 
+/// The mean squared distance between the places of an estimator and those of another one on maps of the same parts of the stops,
+/// in units of its own variance along each axis. What is wrong with a law is in all maps by it: only another law tells.
+pub(super) fn between_laws(own: &[TopologyMap], other: &[TopologyMap]) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (own, other) in own.iter().zip(other) {
+        let least_m2 = LEAST_SHARE * usual_variance_m2([own]);
+        let places = other.estimates.iter().map(|estimate| {
+            estimate.as_ref().map(|estimate| Estimate { covariance: Some([[0.0; 3]; 3]), ..estimate.clone() })
+        });
+        for (a, b) in own.estimates.iter().zip(places) {
+            if let Some(squared) = a.as_ref().zip(b).and_then(|(a, b)| apart(a, &b, 0.5 * least_m2)) {
+                sum += squared.min(MOST_OF_A_NODE);
+                count += 1.0;
+            }
+        }
+    }
+    (count > 0.0).then(|| sum / count)
+}
+
 /// How many times the variances of another estimator are those of its own, on maps of the same parts of the stops.
 pub(super) fn variances_over(own: &[TopologyMap], other: &[TopologyMap]) -> f64 {
     let own_m2 = usual_variance_m2(own);
@@ -87,6 +106,17 @@ mod tests {
         // One node that is far off does not enlarge the regions of all by far.
         let maps = [map(&[[0.0, 0.0]; 10], 1.0), map(&[[1e3, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]], 1.0)];
         assert!(enlargement(&maps) <= MOST_OF_A_NODE / 4.0 + 1e-9);
+    }
+
+    #[test]
+    fn laws_that_place_nodes_differently_are_apart_in_units_of_the_own_variance() {
+        let own = [map(&[[0.0, 0.0], [5.0, 5.0]], 0.25), map(&[[1.0, 0.0], [6.0, 5.0]], 0.25)];
+        let other = [map(&[[1.0, 1.0], [6.0, 6.0]], 9.0), map(&[[2.0, 1.0], [7.0, 6.0]], 9.0)];
+        // 1 m along each axis in every part, where the own variance is 0.25 + 5 % m².
+        let apart = between_laws(&own, &other).unwrap();
+        assert!((apart - 1.0 / (0.25 * 1.05)).abs() < 1e-9, "{apart}");
+        assert_eq!(between_laws(&own, &own), Some(0.0));
+        assert_eq!(between_laws(&own, &[]), None);
     }
 
     #[test]

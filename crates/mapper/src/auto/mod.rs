@@ -114,6 +114,10 @@ pub enum EstimatorFit {
 /// Steps of the grid of the fitted map over the reach.
 const STEPS_PER_REACH: f64 = 40.0;
 
+/// What is wrong with a law counts in variances so many times the squared distance between maps by different laws: both err, and
+/// in part alike.
+const BETWEEN_LAWS: f64 = 2.0;
+
 /// The name of the map by gains among the candidates.
 const PATTERN: &str = "antenna-pattern";
 
@@ -222,7 +226,11 @@ impl Auto {
             // Its regions know that its law is estimated.
             Candidate::LinkModel(_) => 1.0,
             _ => {
-                let enlarged = agreement::enlargement(&parts[number]).max(unsure_of_law(heard.len()));
+                let others = (0..parts.len()).filter(|&other| other != number);
+                let nearest_law = others.filter_map(|other| agreement::between_laws(&parts[number], &parts[other]));
+                let law_error = BETWEEN_LAWS * nearest_law.reduce(f64::min).unwrap_or(0.0);
+                let enlarged = agreement::enlargement(&parts[number]) + law_error;
+                let enlarged = enlarged.max(unsure_of_law(heard.len()));
                 if score::is_surely_better(&predicted[number], &predicted[LINKS]) {
                     enlarged
                 } else {
@@ -235,8 +243,9 @@ impl Auto {
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
-                let joined =
-                    OtherOpinions::of(log, source, watch)?.join(&mut map, gain.mean(), &OpinionConstants::LEARNT);
+                let others = OtherOpinions::of(log, source, watch)?;
+                let others = if fit.has_far_nodes { others.amid_stops(log, &map) } else { others };
+                let joined = others.join(&mut map, gain.mean(), &OpinionConstants::LEARNT);
                 joined.map(|joined| if is_own_law { Opinions { own_share: 1.0, ..joined } } else { joined })
             }
             _ => None,

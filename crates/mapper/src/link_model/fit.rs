@@ -1,6 +1,7 @@
 //! The law of links, estimated from the log itself.
 
 use rayon::prelude::*;
+use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
 use super::hearing::Hearing;
@@ -66,6 +67,8 @@ pub(super) struct FoundLaw {
     pub(super) outages: Outages,
     pub(super) rounds: u32,
     pub(super) settled: bool,
+    /// Where the law places the nodes that it was estimated from (m).
+    pub(super) places: Vec<Position>,
 }
 
 /// A node that the law is estimated from.
@@ -96,33 +99,27 @@ pub(super) fn find(
 ) -> Result<FoundLaw, Interrupted> {
     let thinned = thinned(links);
     let usual = Outages::start(links, hearing.receiver.is_some());
-    let mut samples: Vec<NodeSample<'_>> = thinned
-        .nodes
-        .par_iter()
-        .map(|node| {
-            let evidence = HeardLinks::new(node, &thinned, window, (hearing, &usual), true);
-            let grid = evidence.grid(window, VERTICES[usize::from(is_spatial)]);
-            NodeSample { evidence, grid }
-        })
-        .collect();
+    let mut samples = samples(&thinned, window, is_spatial, (hearing, &usual));
     let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
     let family = LawFamily::Real { fading_db };
     let start = start(&thinned, &samples);
     let law = first.map_or(start, |first| first.at(start.distance_m));
     let scales: [&[usize]; 2] = if first.is_some() { [&[1], &[1, 2]] } else { [&[0, 1], &[0, 1, 2]] };
-    let mut found = FoundLaw { law, placing: law, outages: usual, rounds: 0, settled: false };
+    let mut found = FoundLaw { law, placing: law, outages: usual, rounds: 0, settled: false, places: Vec::new() };
     for (pass, scales) in scales.into_iter().enumerate() {
         climb(&samples, &mut found, family, scales, watch)?;
         let law = found.law;
-        let told: Vec<(ExpectedMargins, Vec<NodeAndPlace>)> = samples
+        let told: Vec<(Position, (ExpectedMargins, Vec<NodeAndPlace>))> = samples
             .par_iter()
             .map(|NodeSample { evidence, grid }| {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());
                 let expected = evidence.expected(&law, grid, &posterior, &thinned);
                 let pairs = evidence.pairs(&expected, hearing);
-                (expected, pairs)
+                (posterior.mean, (expected, pairs))
             })
             .collect();
+        let (places, told): (Vec<_>, Vec<_>) = told.into_iter().unzip();
+        found.places = places;
         let all: Vec<NodeAndPlace> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
         found.outages = found.outages.estimated(&all);
         let outages = &found.outages;
@@ -149,6 +146,26 @@ pub(super) fn find(
     Ok(found)
 }
 
+/// Logarithm of the highest evidence of a law if nodes are in `window`. The search begins at the `first` law, if one is known.
+/// Evidences of several windows compare, because links are weighed as they are before any place is known.
+pub(super) fn log_evidence_in(
+    links: &PlaceLinks,
+    window: &LinkWindow<'_>,
+    is_spatial: bool,
+    hearing: &Hearing,
+    first: Option<Law>,
+    watch: &dyn Watch,
+) -> Result<f64, Interrupted> {
+    let thinned = thinned(links);
+    let outages = Outages::start(links, hearing.receiver.is_some());
+    let samples = samples(&thinned, window, is_spatial, (hearing, &outages));
+    let start = start(&thinned, &samples);
+    let law = first.map_or(start, |first| first.at(start.distance_m));
+    let family = LawFamily::Real { fading_db: hearing.receiver.map(|receiver| receiver.fading_db) };
+    let mut found = FoundLaw { law, placing: law, outages, rounds: 0, settled: false, places: Vec::new() };
+    climb(&samples, &mut found, family, &[0, 1], watch)
+}
+
 /// The law of highest evidence among those of fewer parameters, if one of independent links has surely more than the law that was
 /// `found`. Real links have what it lacks, and their logs refute it; where it holds, it places nodes better.
 fn simple_law(
@@ -171,6 +188,21 @@ fn simple_law(
     }
     let (evidence, alike) = of_family(LawFamily::AlikeNodes, alike)?;
     Ok(Some(if evidence > most { alike } else { independent }))
+}
+
+/// The nodes of `thinned` links, with where they can be.
+fn samples<'a>(
+    thinned: &'a PlaceLinks,
+    window: &LinkWindow<'_>,
+    is_spatial: bool,
+    heard: (&Hearing, &Outages),
+) -> Vec<NodeSample<'a>> {
+    let of_node = |node| {
+        let evidence = HeardLinks::new(node, thinned, window, heard, true);
+        let grid = evidence.grid(window, VERTICES[usize::from(is_spatial)]);
+        NodeSample { evidence, grid }
+    };
+    thinned.nodes.par_iter().map(of_node).collect()
 }
 
 /// The median distance from a node's middle to the places that heard it (m).

@@ -251,6 +251,15 @@ impl NodeLinks {
         self.links.iter().fold(Position::ORIGIN, |sum, link| sum + places[link.place] * (weight(link) / total))
     }
 
+    /// The place that heard the node best: strongest, or without strengths with the greatest share of its packets.
+    pub(super) fn strongest(&self) -> Option<usize> {
+        let share = |link: &HeardLink| f64::from(link.received) / f64::from(link.sent);
+        let strength = |link: &HeardLink| link.rssi_dbm.unwrap_or(f64::NEG_INFINITY);
+        let heard = self.links.iter().filter(|link| link.received > 0);
+        let best = heard.max_by(|a, b| strength(a).total_cmp(&strength(b)).then(share(a).total_cmp(&share(b))));
+        best.map(|link| link.place)
+    }
+
     pub(super) fn node(&self) -> NodeId {
         self.heard.node
     }

@@ -119,6 +119,8 @@ pub struct LinkFit {
     pub outage: f64,
     /// Which measurements were used.
     pub evidence: LinkEvidence,
+    /// Whether nodes were looked for far beyond all stops: the log is much more probable then.
+    pub has_far_nodes: bool,
     /// Number of rounds of the search for the law.
     pub rounds: u32,
     /// Whether the search ended by itself, within the bounds of the law.
@@ -145,6 +147,10 @@ impl LinkFit {
 
 /// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
 const LEVEL: f64 = 0.025;
+/// Nodes are looked for far beyond all stops if the logarithm of the evidence grows by this (nats): strong evidence (Kass and
+/// Raftery 1995).
+const FAR_NODES: f64 = 3.0;
+
 impl LinkModel {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "link-model";
@@ -218,18 +224,38 @@ impl LinkModel {
         let heights = SoughtHeights::of_log(stops, z_range_m, links.reach_m, LEVEL * links.reach_m);
         let Some(heights) = heights else { return Ok(None) };
         let is_spatial = heights.high_m > heights.low_m;
-        let window = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
+        let usual = LinkWindow::new(links, heights, z_range_m.is_some(), prior);
         watch.begin(Self::work(links, is_spatial));
         let hearing = match self.hearing {
             Some(KnownHearing { receiver, losses }) => Hearing::new(links, receiver, losses),
             None => Hearing::of(links, self.config.rssi),
         };
-        let FoundLaw { law, placing, outages, rounds, settled } =
-            fit::find(links, &window, is_spatial, &hearing, (self.first_law, self.own_share), watch)?;
+        let search = (self.first_law, self.own_share);
+        let find = |window: &LinkWindow<'_>| fit::find(links, window, is_spatial, &hearing, search, watch);
+        let far = match usual.of_far(&links.nodes) {
+            Some(far) => {
+                let log_evidence = |window: &LinkWindow<'_>| {
+                    fit::log_evidence_in(links, window, is_spatial, &hearing, self.first_law, watch)
+                };
+                let is_likely = log_evidence(&far)? > log_evidence(&usual)? + FAR_NODES;
+                let found = if is_likely { Some(find(&far)?) } else { None };
+                found.filter(|found| far.holds_most_outside(&found.places)).map(|found| (far, found))
+            }
+            None => None,
+        };
+        let has_far_nodes = far.is_some();
+        let (window, found) = match far {
+            Some(far) => far,
+            None => {
+                let found = find(&usual)?;
+                (usual, found)
+            }
+        };
+        let FoundLaw { law, placing, outages, rounds, settled, .. } = found;
         let settled = settled && !law.is_at_bound();
         let evidence = evidence(links, hearing.receiver.is_some());
         let (receiver, losses, outage) = (hearing.receiver, hearing.counts.losses(), outages.of_log);
-        let fit = LinkFit { law, receiver, losses, outage, evidence, rounds, settled };
+        let fit = LinkFit { law, receiver, losses, outage, evidence, has_far_nodes, rounds, settled };
         let inflation = unsure_of_law(heard) * if placing.has_alike_nodes() { OF_SIMPLE_LAW } else { 1.0 };
         Ok(Some(Learned { fit, placing, hearing, outages, window, heights, is_spatial, inflation }))
     }

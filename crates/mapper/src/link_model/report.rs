@@ -45,6 +45,9 @@ struct LawKeys {
     lapse_scatter: f64,
     /// Share of the links that are dead whatever their power, 0 to 1: nothing is heard, and that says nothing of the place.
     outage: f64,
+    /// Whether nodes were looked for far beyond all stops. Absent if not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    far_nodes: bool,
     /// Strength at which half of the packets are received (dBm). Absent without signal strengths, as the next three.
     #[serde(skip_serializing_if = "Option::is_none")]
     threshold_dbm: Option<f64>,
@@ -69,7 +72,7 @@ impl LinkFit {
 impl Finding for LinkFit {
     #[cfg(feature = "config")]
     fn keys(&self, _: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
-        let LinkFit { law, receiver, losses, outage, evidence, rounds, settled } = *self;
+        let LinkFit { law, receiver, losses, outage, evidence, has_far_nodes, rounds, settled } = *self;
         let keys = LawKeys {
             evidence,
             rounds,
@@ -86,6 +89,7 @@ impl Finding for LinkFit {
             lapse: losses.lapse,
             lapse_scatter: losses.scatter,
             outage,
+            far_nodes: has_far_nodes,
             threshold_dbm: receiver.map(|receiver| receiver.threshold_dbm),
             fading_db: receiver.map(|receiver| receiver.fading_db),
             path_loss_exponent: self.path_loss_exponent(),
@@ -114,6 +118,9 @@ impl Finding for LinkFit {
             if share >= LEAST_SHARE {
                 let _ = write!(text, ", {what} {:.0} %", 100.0 * share);
             }
+        }
+        if self.has_far_nodes {
+            text += ", nodes may be far beyond all stops";
         }
         let end = if self.settled { "settled" } else { "did not settle" };
         let _ = match law.has_independent_links() {

@@ -5,6 +5,7 @@ use sextant_channel::Position;
 use super::links::{NodeLinks, PlaceLinks};
 use crate::log_facts::reach::median;
 use crate::log_facts::{HeightReason, SoughtHeights};
+use crate::numerics::convex_hull::{hull, turn};
 use crate::posterior::PlacePrior;
 
 /// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
@@ -20,6 +21,12 @@ const ANOTHER_FLOOR_M: f64 = 1.5;
 const REACHES: f64 = 2.0;
 /// The window ends after so many of these lengths.
 const LENGTHS: f64 = 4.0;
+/// A place is at the border of the survey if it is within this share of the width of the box from one of its sides. If no more
+/// than this share of the nodes is strongest there, they are not beyond it.
+const BORDER: f64 = 0.1;
+const STRONGEST_AT_BORDER: f64 = 1.0 / 3.0;
+/// Nodes are far beyond all stops only if this share of them is placed outside.
+const MOST_OUTSIDE: f64 = 0.75;
 
 /// The window of all nodes, and the density in it.
 #[derive(Clone, Debug)]
@@ -37,6 +44,8 @@ pub(super) struct LinkWindow<'a> {
     /// Whether nodes are in the plane of the stops, which are not quite level.
     is_plane_of_stops: bool,
     reach_m: f64,
+    /// How far from the places that heard it a node can be (m).
+    farthest_m: f64,
     places: Vec<Position>,
     prior: Option<&'a PlacePrior>,
 }
@@ -88,9 +97,44 @@ impl<'a> LinkWindow<'a> {
             is_bounded_in_height,
             is_plane_of_stops,
             reach_m,
+            farthest_m: reach_m,
             places,
             prior,
         }
+    }
+
+    /// The window of nodes that may be far beyond all places: their density there falls over the reach. `None` if something is
+    /// known of where they are, or too few of the `nodes` are strongest at a border of the survey.
+    pub(super) fn of_far(&self, nodes: &[NodeLinks]) -> Option<Self> {
+        let strongest = nodes.iter().filter_map(NodeLinks::strongest);
+        let at_border = strongest.filter(|&place| self.is_at_border(self.places[place])).count();
+        if self.prior.is_some() || at_border as f64 <= STRONGEST_AT_BORDER * nodes.len() as f64 {
+            return None;
+        }
+        let farthest_m = REACHES * self.reach_m;
+        let [_, _, up_m] = self.length_m;
+        let [_, _, above_m] = self.margin_m;
+        let length_m = [self.reach_m, self.reach_m, up_m];
+        Some(Self { length_m, margin_m: [farthest_m, farthest_m, above_m], farthest_m, ..self.clone() })
+    }
+
+    /// Whether most of the nodes at these places are outside the convex hull of the places where robots listened.
+    pub(super) fn holds_most_outside(&self, nodes: &[Position]) -> bool {
+        let border = hull(self.places.iter().map(|place| [place.x_m, place.y_m]).collect());
+        let is_outside = |node: &&Position| {
+            let sides = border.iter().zip(border.iter().cycle().skip(1));
+            sides.map(|(&from, &to)| turn(from, to, [node.x_m, node.y_m])).any(|turn| turn < 0.0)
+        };
+        nodes.iter().filter(is_outside).count() as f64 >= MOST_OUTSIDE * nodes.len() as f64
+    }
+
+    fn is_at_border(&self, place: Position) -> bool {
+        let at: [f64; 3] = place.into();
+        let is_near = |axis: usize| {
+            let near_m = BORDER * (self.high[axis] - self.low[axis]);
+            at[axis] - self.low[axis] <= near_m || self.high[axis] - at[axis] <= near_m
+        };
+        is_near(0) || is_near(1)
     }
 
     /// The plane of `node`: that of all stops, or the median of the places that heard it if that is another floor (m).
@@ -123,8 +167,8 @@ impl<'a> LinkWindow<'a> {
             if axis == 2 {
                 return if self.is_plane_of_stops { [self.plane_of(node); 2] } else { self.heights };
             }
-            let mut low = (self.low[axis] - self.margin_m[axis]).max(corner_low[axis] - self.reach_m);
-            let mut high = (self.high[axis] + self.margin_m[axis]).min(corner_high[axis] + self.reach_m);
+            let mut low = (self.low[axis] - self.margin_m[axis]).max(corner_low[axis] - self.farthest_m);
+            let mut high = (self.high[axis] + self.margin_m[axis]).min(corner_high[axis] + self.farthest_m);
             if let Some(area) = self.prior.and_then(|prior| prior.area.as_ref()) {
                 let [area_low, area_high] = area.bounds();
                 // What the user knows wins over what is usual.

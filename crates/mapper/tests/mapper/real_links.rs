@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
 use sextant_mapper::{
-    Area, Auto, AutoConfig, Choice, Comparator, Concern, Knowledge, LinkEvidence, LinkFit, LinkModel,
+    Area, Auto, AutoConfig, Choice, Comparator, Concern, EstimatorFit, Knowledge, LinkEvidence, LinkFit, LinkModel,
     LinkModelConfig, Mapper, PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated,
     SelfCalibratedConfig, StrongestStop, TopologyMap,
 };
@@ -24,16 +24,40 @@ struct World {
     offset: f64,
     packets: u32,
     rssi: bool,
+    /// Mean margin at 5 m.
+    margin: f64,
+    /// How far all nodes are beyond the stops (m); `None` if they are amid them.
+    beyond_m: Option<f64>,
 }
 
 impl World {
     fn usual() -> Self {
-        Self { seed: Seed(3), nodes: 60, side: 7, shadowing: 1.0, offset: 0.3, packets: 12, rssi: false }
+        Self {
+            seed: Seed(3),
+            nodes: 60,
+            side: 7,
+            shadowing: 1.0,
+            offset: 0.3,
+            packets: 12,
+            rssi: false,
+            margin: 1.2,
+            beyond_m: None,
+        }
     }
 
     fn nodes(&self) -> Vec<Position> {
         let along = |node, axis| 18.0 * self.seed.uniform(WORLD, [0, node, axis]);
-        (0..self.nodes as u64).map(|node| Position::new(along(node, 0), along(node, 1), 0.0)).collect()
+        let place = |node| {
+            let (x_m, y_m) = (along(node, 0), along(node, 1));
+            match (self.beyond_m, node % 4) {
+                (None, _) => Position::new(x_m, y_m, 0.0),
+                (Some(beyond_m), 0) => Position::new(x_m, -beyond_m, 0.0),
+                (Some(beyond_m), 1) => Position::new(18.0 + beyond_m, y_m, 0.0),
+                (Some(beyond_m), 2) => Position::new(x_m, 18.0 + beyond_m, 0.0),
+                (Some(beyond_m), _) => Position::new(-beyond_m, y_m, 0.0),
+            }
+        };
+        (0..self.nodes as u64).map(place).collect()
     }
 
     fn stops(&self) -> Vec<Position> {
@@ -59,8 +83,9 @@ impl World {
                     })
                     .sum();
                 let shadowing = self.shadowing * (0.8 * field + 0.6 * normal(4, u64::from(number)));
-                let margin =
-                    1.2 - 1.7 * (place.distance_m(stop).max(0.3) / 5.0).ln() + self.offset * normal(5, 0) + shadowing;
+                let margin = self.margin - 1.7 * (place.distance_m(stop).max(0.3) / 5.0).ln()
+                    + self.offset * normal(5, 0)
+                    + shadowing;
                 let strengths: Vec<f64> = (0..u64::from(self.packets))
                     .map(|packet| margin + self.seed.normal(WORLD, [6 + packet, u64::from(node), u64::from(number)]))
                     .filter(|&strength| strength > 0.0)
@@ -186,6 +211,22 @@ fn the_log_chooses_the_model_that_its_links_follow() {
     assert!(by_strengths.gain.unwrap() > 0.0 && by_strengths.link_model_power > 0.99, "its law is that of the links");
     let names: Vec<_> = by_strengths.others.iter().map(|other| other.estimator).collect();
     assert_eq!(names, ["rssi-centroid", "strongest-stop"]);
+}
+
+#[test]
+fn nodes_that_all_stand_beyond_the_stops_are_found_there() {
+    // Strong nodes on all sides, 9 m from the nearest stop: simple methods put them at the border.
+    let world = World { rssi: true, nodes: 12, margin: 6.0, beyond_m: Some(9.0), shadowing: 0.8, ..World::usual() };
+    let (truth, log) = (world.nodes(), world.log());
+    let (map, choice) = Auto::try_from(AutoConfig::default()).unwrap().map(&log, None, &Unwatched).unwrap();
+    let choice = choice.unwrap();
+    let Some(EstimatorFit::Links(fit)) = choice.fit else { panic!("{} was chosen", choice.chosen) };
+    assert!(fit.has_far_nodes, "the log is more probable if nodes are outside");
+    let strongest = StrongestStop.map(&Knowledge::from(&log), &Unwatched).unwrap();
+    let (auto_m, strongest_m) = (mean_error_m(&map, &truth), mean_error_m(&strongest, &truth));
+    assert!(auto_m < 0.6 * strongest_m, "{auto_m} m, strongest stop {strongest_m} m");
+    assert!(coverage(&map, &truth) > 0.8, "regions hold {}", coverage(&map, &truth));
+    assert!(!BY_BOTH.1.has_far_nodes && !BY_PACKETS.1.has_far_nodes, "nodes amid the stops are not far");
 }
 
 #[test]

@@ -16,6 +16,7 @@ pub use self::learnt::OpinionConstants;
 use crate::comparators::strengths::{centroid, strongest_place};
 use crate::comparators::{Comparator, PacketCentroid, RssiCentroid, StrongestStop};
 use crate::log_facts::strengths::sound_strengths;
+use crate::numerics::convex_hull::{hull, turn};
 use crate::posterior::{Concern, Estimate};
 use crate::topology_map::TopologyMap;
 
@@ -188,6 +189,22 @@ impl OtherOpinions {
         Ok(Self { source, told, usual_link_m })
     }
 
+    /// The same without opinions on nodes that `map` places beyond the stops of `log`. A place among the stops is all that these
+    /// opinions can tell: of a node outside they tell the nearest border.
+    #[must_use]
+    pub fn amid_stops(self, log: &ReceptionLog, map: &TopologyMap) -> Self {
+        let border = hull(log.stops().iter().map(|stop| [stop.position.x_m, stop.position.y_m]).collect());
+        let is_amid = |estimate: &Option<Estimate>| {
+            let Some(place) = estimate.as_ref().map(|estimate| [estimate.position.x_m, estimate.position.y_m]) else {
+                return false;
+            };
+            let sides = border.iter().zip(border.iter().cycle().skip(1));
+            sides.map(|(&from, &to)| turn(from, to, place)).all(|turn| turn >= 0.0)
+        };
+        let told = self.told.into_iter().zip(&map.estimates);
+        Self { told: told.map(|(told, estimate)| told.filter(|_| is_amid(estimate))).collect(), ..self }
+    }
+
     /// Adds them to a `map` by the link model, whose law has this `gain`; what counted how much. `None` if no node was heard at
     /// two places: the map stays as it is.
     pub fn join(&self, map: &mut TopologyMap, gain: Option<f64>, constants: &OpinionConstants) -> Option<Opinions> {
@@ -222,6 +239,9 @@ fn usual_link_m<'a>(told: impl Iterator<Item = &'a Told>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use sextant_channel::{Reception, Stop};
+    use sextant_kernel::Unwatched;
+
     use super::*;
 
     fn estimate(position: Position, covariance: [[f64; 3]; 3]) -> Estimate {
@@ -268,6 +288,22 @@ mod tests {
         let covariance = [[1.0, 0.0, 0.0], [0.0, 4.0, 2.0], [0.0, 2.0, 1.5]];
         let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned), &learnt).unwrap();
         assert!(other.position.distance_m(turned(joined.position)) < 1e-9, "{} {}", other.position, joined.position);
+    }
+
+    #[test]
+    fn nothing_is_told_of_a_node_beyond_all_stops() {
+        let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let stops = corners.map(|[x_m, y_m]| Stop::at(Position::new(x_m, y_m, 0.0)));
+        let heard = |node| (0..4).map(move |stop| Reception::heard(NodeId(node), stop, 1 + stop % 2, 2));
+        let names = ["inside", "outside"].map(str::to_owned).to_vec();
+        let log = ReceptionLog::new(names, stops.to_vec(), heard(0).chain(heard(1)).collect(), Vec::new()).unwrap();
+        let places = [[4.0, 5.0], [14.0, 5.0]].map(|[x_m, y_m]| Some(Position::new(x_m, y_m, 0.0)));
+        let map = TopologyMap::of_places("a", places.to_vec(), crate::topology_map::CoordinateFrame::World);
+        let all = OtherOpinions::of(&log, OpinionSource::Packets, &Unwatched).unwrap();
+        assert!(all.told.iter().all(Option::is_some));
+        let amid = all.clone().amid_stops(&log, &map);
+        assert!(amid.told[0].is_some() && amid.told[1].is_none());
+        assert_eq!(amid.usual_link_m, all.usual_link_m, "links are as long as before");
     }
 
     #[test]
