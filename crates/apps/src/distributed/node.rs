@@ -197,6 +197,7 @@ impl MappingNode {
     fn put(&mut self, message: &Message) {
         let mut octets = Vec::new();
         message.write(&mut octets);
+        self.record.messages.count(message, octets.len());
         self.outbox.push(octets);
     }
 
@@ -220,14 +221,7 @@ impl MappingNode {
     /// Sends the message that is due.
     fn send(&mut self, timer: Timer, port: &mut Port<'_>) {
         let repeats = usize::try_from(self.settings.repeats).expect("at most 100 repeats");
-        let number = usize::from(timer.0 - 1);
-        let Some(octets) = self.outbox.get(number / repeats) else { return };
-        // Those of the last window do not go out if all nodes have ended before.
-        if number.is_multiple_of(repeats)
-            && let Ok(message) = Message::read(octets)
-        {
-            self.record.messages.count(&message, octets.len());
-        }
+        let Some(octets) = self.outbox.get(usize::from(timer.0 - 1) / repeats) else { return };
         match port.send(self.network, Destination::All, Payload::Octets(octets)) {
             Ok(_) => self.record.sent += 1,
             Err(_) => self.record.unsent += 1,

@@ -34,7 +34,7 @@ pub struct MmTm(SectorLikelihood);
 
 #[derive(Clone, Debug, PartialEq)]
 enum SectorLikelihood {
-    Given(MlTm),
+    Given(Box<MlTm>),
     Fitted(Box<FittedMlTm>),
 }
 
@@ -56,7 +56,7 @@ impl MmTm {
     #[must_use]
     pub fn ml_tm(&self, fit: Option<&Fit>) -> Option<MlTm> {
         match (&self.0, fit) {
-            (SectorLikelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
+            (SectorLikelihood::Given(ml_tm), _) => Some(MlTm::clone(ml_tm)),
             (SectorLikelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
             (SectorLikelihood::Fitted(_), None) => None,
         }
@@ -175,7 +175,7 @@ impl TryFrom<MlTmConfig> for MmTm {
                     let remedy = "write `profile.fitted = {}`, or another model";
                     return Err(SettingError::conflict("sectors.model", "a profile that is given", remedy));
                 }
-                Ok(Self(SectorLikelihood::Given(ml_tm)))
+                Ok(Self(SectorLikelihood::Given(Box::new(ml_tm))))
             }
         }
     }
@@ -253,7 +253,7 @@ impl PartEstimator for MmTm {
     ) -> Result<Box<dyn FixedLaw + 'a>, PartsError> {
         match &self.0 {
             SectorLikelihood::Given(ml_tm) => {
-                let estimator = Self(SectorLikelihood::Given(fixed(ml_tm, parts, watch)?));
+                let estimator = Self(SectorLikelihood::Given(Box::new(fixed(ml_tm, parts, watch)?)));
                 Ok(Box::new(EachNode { estimator, knowledge }))
             }
             SectorLikelihood::Fitted(fitted) => {

@@ -2,6 +2,7 @@
 
 pub(crate) mod convex_hull;
 pub(crate) mod decades;
+pub(crate) mod golden_section;
 pub(crate) mod halves;
 mod isotonic;
 pub(crate) mod least_squares;

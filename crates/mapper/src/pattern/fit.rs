@@ -19,6 +19,7 @@ use super::scene::AntennaScene;
 use super::ways::KnownWays;
 use crate::error::MapError;
 use crate::log_facts::search_box::SearchBox;
+use crate::numerics::golden_section::highest;
 
 /// The distance over which cells are seen, as a share of the reach.
 const SEEN_FROM: f64 = 0.33;
@@ -280,7 +281,7 @@ impl SectorSurvey<'_> {
         let turned = |yaw_rad: f64| {
             self.tried(&likelihoods, PatternLaw { yaw_rad, ..law.clone() }, &mut in_boxes, Look::Whole).value
         };
-        naming::highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
+        highest(turned, [law.yaw_rad - TURN_RAD, law.yaw_rad + TURN_RAD], TURN_STEPS)
     }
 
     /// The law of the log, estimated from these of its nodes: expectation maximisation over their places.

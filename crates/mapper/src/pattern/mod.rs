@@ -22,6 +22,7 @@ mod report_sums;
 mod report_views;
 mod scene;
 mod settled;
+mod sight;
 mod tiles;
 mod way_gains;
 mod ways;
@@ -34,14 +35,15 @@ use crate::error::MapError;
 use crate::log_facts::reach::heard_nodes;
 use crate::posterior::EstimateKind;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
+use evidence::PatternTables;
 pub(crate) use evidence::of_report;
-use evidence::{PatternTables, Pose, Sight, Turn};
 use fit::thinned;
 use gain_map::GainMap;
 pub use law::PatternLaw;
 pub use report_law::ReportLaw;
 use scene::{AntennaScene, LeastStrengths};
 use settled::SettledLaw;
+use sight::{Pose, Sight, Turn};
 pub(crate) use ways::KnownObstacles;
 
 /// How a log with known gains is mapped.

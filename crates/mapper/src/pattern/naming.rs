@@ -2,12 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evidence::{Naming, SectorsHeard, Sight, Turn};
+use super::evidence::{Naming, SectorsHeard};
 use super::gain_map::{ANY, GainMap};
 use super::law::PatternLaw;
-use super::report_sums::ReportSums;
+use super::report_sums::{GainRow, ReportSums};
+use super::sight::{Sight, Turn};
 use super::way_gains::{SeenPlace, WayGains};
 use super::ways::KnownWays;
+use crate::numerics::golden_section::highest;
 use crate::numerics::normal::logistic_scale;
 
 /// Steps of Newton's method for the ripple, in a round.
@@ -28,14 +30,6 @@ struct Gains {
     dbi: Vec<f64>,
     /// How much of them was reflected by known obstacles, as shares; empty if none are known.
     reflected: Vec<f64>,
-}
-
-/// The gains of all sectors for a naming.
-#[derive(Clone, Copy)]
-pub(super) struct GainRow<'a> {
-    pub(super) dbi: &'a [f64],
-    /// How much of them was reflected by known obstacles; empty if none are known.
-    pub(super) reflected: &'a [f64],
 }
 
 /// The antenna, and the ways to places among known obstacles, if there are any.
@@ -203,23 +197,4 @@ fn improve_ripple(law: &mut PatternLaw, gains: &Gains, namings: &[Naming<'_>], s
         variances = Some(decomposed.inverse().trace());
     }
     variances
-}
-
-/// Where a function of one value is highest between two ends, by golden sections.
-pub(super) fn highest(mut value: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], steps: u32) -> f64 {
-    const SHARE: f64 = 0.618_033_988_749_894_8;
-    let (mut left, mut right) = (high - SHARE * (high - low), low + SHARE * (high - low));
-    let (mut of_left, mut of_right) = (value(left), value(right));
-    for _ in 0..steps {
-        if of_left >= of_right {
-            (high, right, of_right) = (right, left, of_left);
-            left = high - SHARE * (high - low);
-            of_left = value(left);
-        } else {
-            (low, left, of_left) = (left, right, of_right);
-            right = low + SHARE * (high - low);
-            of_right = value(right);
-        }
-    }
-    0.5 * (low + high)
 }

@@ -2,8 +2,8 @@
 
 use super::evidence::{Naming, SectorsHeard};
 use super::law::PatternLaw;
-use super::naming::{GainRow, highest};
 use super::report_law::{ReportLaw, UNSEEN_DB};
+use crate::numerics::golden_section::highest;
 use crate::numerics::normal::{below, density};
 
 /// Additions count as so many that have the mean and the deviation of the guess, and so many sectors as without one.
@@ -14,6 +14,14 @@ const ADDED_SIGMA_DB: [f64; 2] = [3.0, 14.0];
 /// Least and most deviation of known reflections (dB), and steps of the search for it.
 const KNOWN_SIGMA_DB: [f64; 2] = [0.1, 15.0];
 const STEPS: u32 = 20;
+
+/// The gains of all sectors for a naming.
+#[derive(Clone, Copy)]
+pub(super) struct GainRow<'a> {
+    pub(super) dbi: &'a [f64],
+    /// How much of them was reflected by known obstacles; empty if none are known.
+    pub(super) reflected: &'a [f64],
+}
 
 /// Sums over the sectors of all reports.
 #[derive(Clone, Debug, Default)]

@@ -5,8 +5,8 @@ use std::f64::consts::LN_10;
 use sextant_channel::Position;
 use sextant_kernel::maths::{exp, ln};
 
-use super::evidence::{Pose, Turn};
 use super::gain_map::{Directions, GainMap};
+use super::sight::{NEAREST_M, Pose, Turn};
 use super::ways::{KnownWays, Way};
 
 /// Least power of a sector, as a gain: none at all.
@@ -41,7 +41,7 @@ impl WayGains<'_> {
     pub(super) fn towards(&self, seen: SeenPlace<'_>, gains_db: &mut [f64], reflected: &mut [f64]) {
         let SeenPlace { stop, robot, place } = seen;
         let straight = self.ways.straight(stop, place);
-        let straight_m = straight.length_m.max(super::evidence::NEAREST_M);
+        let straight_m = straight.length_m.max(NEAREST_M);
         gains_db.fill(0.0);
         let cell = |way: &Way| self.map.directions().cell(robot.seen(way.direction, self.mount));
         self.map.add_powers(cell(&straight), exp(-straight.loss_db / DB), gains_db);
