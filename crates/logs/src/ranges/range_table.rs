@@ -195,7 +195,7 @@ fn repeated(name: &str, samples: &[RangeSample]) -> Option<String> {
     }
     let mut usual: Vec<usize> = counts.values().copied().collect();
     usual.sort_unstable();
-    let usual = usual[usual.len() / 2];
+    let usual = *usual.get(usual.len() / 2)?;
     let (bits, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
     let share = count as f64 / samples.len() as f64;
     // Devices with coarse steps repeat values as well, in all places.

@@ -194,10 +194,10 @@ fn swapped_receivers_and_another_unit_are_told() {
     let all = ranges(&receivers, 900, 0.1, circle);
     let right = track(&receivers, &all, TrackSettings::default(), &Unwatched).unwrap();
     assert!(right.doubted.is_empty() && right.unit.is_none(), "{:?}, {:?}", right.doubted, right.unit);
-    let doubled: Vec<TagReading> =
-        all.iter().map(|reading| TagReading { value: TagValue::Range(2.0 * reading.number()), ..*reading }).collect();
-    let found = track(&receivers, &doubled, TrackSettings::default(), &Unwatched).unwrap();
-    assert!(found.unit.is_some_and(|unit| (unit.of_metre - 2.0).abs() < 1e-9), "{:?}", found.fit);
+    let kilometres: Vec<TagReading> =
+        all.iter().map(|reading| TagReading { value: TagValue::Range(0.001 * reading.number()), ..*reading }).collect();
+    let found = track(&receivers, &kilometres, TrackSettings::default(), &Unwatched).unwrap();
+    assert!(found.unit.is_some_and(|unit| (unit.of_metre - 0.001).abs() < 1e-9), "{:?}", found.fit);
     receivers.swap(0, 2);
     let found = track(&receivers, &all, TrackSettings::default(), &Unwatched).unwrap();
     let doubted: Vec<usize> = found.doubted.iter().map(|of| of.receiver).collect();
