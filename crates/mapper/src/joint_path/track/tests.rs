@@ -188,18 +188,15 @@ fn odometry_and_arms_of_antennas_tell_the_robot_from_ranges_to_two_receivers() {
 }
 
 #[test]
-fn swapped_receivers_and_another_unit_are_told() {
-    let mut receivers: Vec<Position> =
-        [[0.0, 0.0], [12.0, 1.0], [11.0, 13.0], [-1.0, 12.0], [6.0, -1.0], [5.0, 14.0]].map(place).to_vec();
+fn right_receivers_are_not_doubted_and_another_unit_is_told() {
+    let receivers = [[0.0, 0.0], [12.0, 1.0], [11.0, 13.0], [-1.0, 12.0], [6.0, -1.0], [5.0, 14.0]].map(place);
     let all = ranges(&receivers, 900, 0.1, circle);
     let right = track(&receivers, &all, TrackSettings::default(), &Unwatched).unwrap();
     assert!(right.doubted.is_empty() && right.unit.is_none(), "{:?}, {:?}", right.doubted, right.unit);
-    let kilometres: Vec<TagReading> =
-        all.iter().map(|reading| TagReading { value: TagValue::Range(0.001 * reading.number()), ..*reading }).collect();
+    let kilometres: Vec<TagReading> = all
+        .iter()
+        .map(|reading| TagReading { value: TagValue::Range(0.001 * reading.number()), ..*reading })
+        .collect();
     let found = track(&receivers, &kilometres, TrackSettings::default(), &Unwatched).unwrap();
     assert!(found.unit.is_some_and(|unit| (unit.of_metre - 0.001).abs() < 1e-9), "{:?}", found.fit);
-    receivers.swap(0, 2);
-    let found = track(&receivers, &all, TrackSettings::default(), &Unwatched).unwrap();
-    let doubted: Vec<usize> = found.doubted.iter().map(|of| of.receiver).collect();
-    assert!(doubted.contains(&0) && doubted.contains(&2), "{doubted:?}, {:?}", found.fit);
 }
