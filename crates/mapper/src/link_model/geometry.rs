@@ -1,13 +1,14 @@
 //! Distances and directions from possible places of a node to the places of its links.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8, f64x4};
 use sextant_channel::Position;
 use sextant_kernel::maths::ln_each_single;
-use wide::f32x4;
 
 use super::links::HeardLink;
 
 /// Vertices that are treated together: their sums and all that they are made of stay in the registers and the nearest memory.
-pub(super) const BLOCK: usize = 4;
+pub(super) const BLOCK: usize = 8;
 /// What is known at a vertex of a place: logarithm of the distance, cosine and sine of the direction and of twice the
 /// direction.
 pub(super) const COLUMNS: usize = 5;
@@ -15,7 +16,29 @@ pub(super) const COLUMNS: usize = 5;
 pub(super) const NEIGHBOURS: usize = 8;
 
 /// The values of a column at the vertices of a block.
-pub(super) type Lane = f32x4;
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub(super) struct Lane([f32; BLOCK]);
+
+impl Lane {
+    pub(super) const ZERO: Self = Self([0.0; BLOCK]);
+
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(values: f32x8<S>) -> Self {
+        Self(values.into())
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&self, simd: S) -> f32x8<S> {
+        self.0.simd_into(simd)
+    }
+
+    /// The values at the first half of the vertices, or at the second, in double precision.
+    #[inline(always)]
+    pub(super) fn half<S: Simd>(&self, simd: S, number: usize) -> f64x4<S> {
+        <[f64; BLOCK / 2]>::simd_into(std::array::from_fn(|lane| f64::from(self.0[number * BLOCK / 2 + lane])), simd)
+    }
+}
 
 /// Where the places of a node's links lie relative to each other. The shadowing at a place is predicted from at most
 /// [`NEIGHBOURS`] nearest places before it (Vecchia 1988), in an order in which each next place is the one farthest from all
@@ -130,7 +153,7 @@ pub(super) struct MeanSquare {
 /// The vertices of a block by coordinates (m), and the squares of the least distances from them that count (m²).
 struct SeenBlock {
     at: [[f64; BLOCK]; 3],
-    least_m2: Lane,
+    least_m2: [f32; BLOCK],
 }
 
 impl SeenBlock {
@@ -140,23 +163,27 @@ impl SeenBlock {
         let along = |axis: usize| std::array::from_fn(|lane| <[f64; 3]>::from(vertices[lane.min(last)])[axis]);
         let least_m2: [f32; BLOCK] =
             std::array::from_fn(|lane| single(least_m(lane.min(last)).powi(2)).max(f32::MIN_POSITIVE));
-        Self { at: [along(0), along(1), along(2)], least_m2: Lane::from(least_m2) }
+        Self { at: [along(0), along(1), along(2)], least_m2 }
     }
 }
 
 /// The columns of a place at the vertices of a block, but the logarithm of the distance, and the square of the distance (m²).
-#[inline]
-fn columns(seen: &SeenBlock, place: Position) -> ([Lane; COLUMNS], Lane) {
-    let way = |axis: usize, along: f64| Lane::from(seen.at[axis].map(|vertex| single(along - vertex)));
+#[inline(always)]
+fn columns<S: Simd>(simd: S, seen: &SeenBlock, place: Position) -> ([Lane; COLUMNS], [f32; BLOCK]) {
+    let way =
+        |axis: usize, along: f64| -> f32x8<S> { seen.at[axis].map(|vertex| single(along - vertex)).simd_into(simd) };
     let [x_m, y_m, z_m] = [way(0, place.x_m), way(1, place.y_m), way(2, place.z_m)];
     let flat_m2 = x_m * x_m + y_m * y_m;
     // A place right above or below has no direction.
-    let is_aside = flat_m2.simd_gt(Lane::splat(LEAST_ASIDE_M2));
-    let per_m = is_aside.select(Lane::ONE / flat_m2.sqrt(), Lane::ZERO);
+    let is_aside = flat_m2.simd_gt(f32x8::splat(simd, LEAST_ASIDE_M2));
+    let per_m = is_aside.select(f32x8::splat(simd, 1.0) / flat_m2.sqrt(), f32x8::splat(simd, 0.0));
     let [cosine, sine] = [x_m * per_m, y_m * per_m];
-    let square_m2 = (flat_m2 + z_m * z_m).fast_max(seen.least_m2);
+    let least_m2: f32x8<S> = seen.least_m2.simd_into(simd);
+    let square_m2 = (flat_m2 + z_m * z_m).max(least_m2);
     let twice = cosine + cosine;
-    ([Lane::ZERO, cosine, sine, cosine * cosine - sine * sine, twice * sine], square_m2)
+    let [of_twice, sine_of_twice] = [cosine * cosine - sine * sine, twice * sine];
+    let columns = [f32x8::splat(simd, 0.0), cosine, sine, of_twice, sine_of_twice];
+    (columns.map(Lane::of), square_m2.into())
 }
 
 /// Squares of distances that are less have no direction (m²).
@@ -172,6 +199,11 @@ pub(super) struct Columns {
 impl Columns {
     /// The columns at `vertices`. Distances from each are at least what `least_m` says of its number.
     pub(super) fn new(vertices: &[Position], places: &[Position], least_m: impl Fn(usize) -> f64) -> Self {
+        dispatch!(Level::new(), simd => Self::with(simd, vertices, places, &least_m))
+    }
+
+    #[inline(always)]
+    fn with<S: Simd>(simd: S, vertices: &[Position], places: &[Position], least_m: &impl Fn(usize) -> f64) -> Self {
         let mut lanes = Vec::with_capacity(vertices.len().div_ceil(BLOCK) * places.len());
         let mut squares_m2: Vec<f32> = Vec::with_capacity(BLOCK * places.len());
         for (number, block) in vertices.chunks(BLOCK).enumerate() {
@@ -179,13 +211,13 @@ impl Columns {
             squares_m2.clear();
             let first = lanes.len();
             for &place in places {
-                let (columns, square_m2) = columns(&seen, place);
-                squares_m2.extend(square_m2.to_array());
+                let (columns, square_m2) = columns(simd, &seen, place);
+                squares_m2.extend(square_m2);
                 lanes.push(columns);
             }
             ln_each_single(&mut squares_m2);
             for ([logarithm, ..], square) in lanes[first..].iter_mut().zip(squares_m2.as_chunks::<BLOCK>().0) {
-                *logarithm = Lane::from(*square) * Lane::HALF;
+                *logarithm = Lane(square.map(|logarithm| 0.5 * logarithm));
             }
         }
         Self { lanes, links: places.len() }
@@ -199,7 +231,7 @@ impl Columns {
                 continue;
             }
             for (sum, [logarithms, ..]) in sums.iter_mut().zip(block) {
-                for (logarithm, share) in logarithms.to_array().into_iter().zip(shares) {
+                for (logarithm, share) in logarithms.0.into_iter().zip(shares) {
                     let logarithm = f64::from(logarithm);
                     sum.mean += share * logarithm;
                     sum.square += share * logarithm * logarithm;
@@ -210,7 +242,7 @@ impl Columns {
     }
 
     /// The columns of each block of vertices.
-    pub(super) fn blocks(&self) -> impl Iterator<Item = &[[Lane; COLUMNS]]> {
+    pub(super) fn blocks(&self) -> impl ExactSizeIterator<Item = &[[Lane; COLUMNS]]> {
         self.lanes.chunks(self.links.max(1))
     }
 }

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8, f64x4};
 use sextant_kernel::maths::{exp_each, ln_each};
-use wide::f64x4;
 
 use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
 use super::law::Law;
@@ -33,12 +34,12 @@ struct Prediction {
 
 /// The error of a prediction at the vertices of a block, of nodes with so many amplitudes.
 #[derive(Clone, Copy)]
-struct ErrorsAtBlock<const COUNT: usize> {
-    error: Lane,
+struct ErrorsAtBlock<S: Simd, const COUNT: usize> {
+    error: f32x8<S>,
     /// What an amplitude of 1 is in it.
-    columns: [Lane; COUNT],
+    columns: [f32x8<S>; COUNT],
     /// What a margin of 1 is in it.
-    unit: Lane,
+    unit: f32,
 }
 
 /// What the likelihood at each vertex needs of the links: sums over them under a covariance of margins. Laws that differ in
@@ -116,9 +117,9 @@ impl MarginSums {
         let (predictions, logs) = predictions(law, &correlations.each, arrangement, sites);
         let slope = single(law.slope);
         let blocks = if law.direction > 0.0 {
-            BlockSums::of_blocks::<AMPLITUDES>(&predictions, slope, columns)
+            dispatch!(Level::new(), simd => BlockSums::of_blocks::<_, AMPLITUDES>(simd, &predictions, slope, columns))
         } else {
-            BlockSums::of_blocks::<1>(&predictions, slope, columns)
+            dispatch!(Level::new(), simd => BlockSums::of_blocks::<_, 1>(simd, &predictions, slope, columns))
         };
         let units = predictions.iter().map(|prediction| f64::from(prediction.unit).powi(2)).sum();
         Self { correlations, margin: law.margin, slope: law.slope, logs, units, blocks }
@@ -132,14 +133,29 @@ impl MarginSums {
         deviations[0] = law.slope_deviation();
         let changed = ChangedLaw { higher: law.margin - self.margin, steeper: law.slope - self.slope, deviations };
         let mut determinants = Vec::with_capacity(self.blocks.len() * BLOCK);
-        for block in &self.blocks {
-            let WithoutAmplitudes { quadratic, determinant } = block.without_amplitudes(self.units, &changed);
-            out.extend(quadratic.to_array());
-            determinants.extend(determinant.to_array());
-        }
+        dispatch!(Level::new(), simd => self.without_amplitudes(simd, &changed, out, &mut determinants));
         ln_each(&mut determinants);
         for (log, determinant) in out.iter_mut().zip(&determinants) {
             *log = -0.5 * (*log + determinant) - self.logs;
+        }
+    }
+
+    /// The squares of the errors at each vertex without the amplitudes, and the determinants of these.
+    #[inline(always)]
+    fn without_amplitudes<S: Simd>(
+        &self,
+        simd: S,
+        changed: &ChangedLaw,
+        quadratics: &mut Vec<f64>,
+        determinants: &mut Vec<f64>,
+    ) {
+        for block in &self.blocks {
+            for number in 0..2 {
+                let half = block.half(simd, number);
+                let WithoutAmplitudes { quadratic, determinant } = half.without_amplitudes(simd, self.units, changed);
+                quadratics.extend(<[f64; 4]>::from(quadratic));
+                determinants.extend(<[f64; 4]>::from(determinant));
+            }
         }
     }
 }
@@ -151,50 +167,58 @@ struct ChangedLaw {
     deviations: [f64; AMPLITUDES],
 }
 
-/// What the vertices of a block have without their amplitudes.
-struct WithoutAmplitudes {
+/// What some vertices have without their amplitudes.
+struct WithoutAmplitudes<S: Simd> {
     /// The squares of the errors.
-    quadratic: f64x4,
+    quadratic: f64x4<S>,
     /// Determinant of the amplitudes.
-    determinant: f64x4,
+    determinant: f64x4<S>,
 }
 
-impl BlockSums {
+/// The sums at half of the vertices of a block, in double precision.
+struct HalfBlockSums<S: Simd> {
+    squares: f64x4<S>,
+    units: f64x4<S>,
+    along: [f64x4<S>; AMPLITUDES],
+    unit_along: [f64x4<S>; AMPLITUDES],
+    products: [f64x4<S>; PRODUCTS],
+}
+
+impl<S: Simd> HalfBlockSums<S> {
     /// What the amplitudes, whose standard deviations are `s`, leave of the squares of errors:
     /// `squares − gᵀ(S⁻² + M)⁻¹g`, and `det(I + SMS)`, where S is diagonal. `units` are the squares of what a margin of 1 is.
-    fn without_amplitudes(&self, units: f64, law: &ChangedLaw) -> WithoutAmplitudes {
-        let at = |sums: &Lane| f64x4::from(sums.to_array().map(f64::from));
+    #[inline(always)]
+    fn without_amplitudes(self, simd: S, units: f64, law: &ChangedLaw) -> WithoutAmplitudes<S> {
         let ChangedLaw { higher, steeper, deviations: s } = law;
-        let (higher, steeper) = (f64x4::splat(*higher), f64x4::splat(*steeper));
-        let products = self.products.each_ref().map(at);
-        let unit_along = self.unit_along.each_ref().map(at);
-        let mut along = self.along.each_ref().map(at);
-        let two = f64x4::splat(2.0);
-        let mut quadratic = at(&self.squares)
-            + higher * (higher * f64x4::splat(units) - two * at(&self.units))
+        let splat = |value: f64| f64x4::splat(simd, value);
+        let (higher, steeper) = (splat(*higher), splat(*steeper));
+        let Self { squares, units: own_units, mut along, unit_along, products } = self;
+        let (zero, one, two) = (splat(0.0), splat(1.0), splat(2.0));
+        let mut quadratic = squares
+            + higher * (higher * splat(units) - two * own_units)
             + steeper * (steeper * products[0] + two * along[0] - two * higher * unit_along[0]);
         for (row, along) in along.iter_mut().enumerate() {
             *along += steeper * products[row * (row + 1) / 2] - higher * unit_along[row];
         }
         // The factors L and D of I + SMS = LDLᵀ, row by row, and the solution of Lx = Sg.
-        let mut factor = [[f64x4::ZERO; AMPLITUDES]; AMPLITUDES];
-        let mut inverse = [f64x4::ZERO; AMPLITUDES];
-        let mut solved = [f64x4::ZERO; AMPLITUDES];
-        let mut determinant = f64x4::ONE;
+        let mut factor = [[zero; AMPLITUDES]; AMPLITUDES];
+        let mut inverse = [zero; AMPLITUDES];
+        let mut solved = [zero; AMPLITUDES];
+        let mut determinant = one;
         let mut product = 0;
         for row in 0..AMPLITUDES {
-            let mut scaled = [f64x4::ZERO; AMPLITUDES];
-            let mut own = f64x4::splat(s[row]) * along[row];
+            let mut scaled = [zero; AMPLITUDES];
+            let mut own = splat(s[row]) * along[row];
             for column in 0..=row {
-                let mut sum = f64x4::splat(s[row] * s[column]) * products[product];
+                let mut sum = splat(s[row] * s[column]) * products[product];
                 product += 1;
                 for k in 0..column {
                     sum -= scaled[k] * factor[column][k];
                 }
                 if row == column {
-                    let pivot = sum + f64x4::ONE;
+                    let pivot = sum + one;
                     determinant *= pivot;
-                    inverse[row] = f64x4::ONE / pivot;
+                    inverse[row] = one / pivot;
                 } else {
                     scaled[column] = sum;
                     factor[row][column] = sum * inverse[column];
@@ -206,24 +230,49 @@ impl BlockSums {
         }
         WithoutAmplitudes { quadratic, determinant }
     }
+}
+
+impl BlockSums {
+    /// The sums at the vertices of a half, the first or the second one.
+    #[inline(always)]
+    fn half<S: Simd>(&self, simd: S, number: usize) -> HalfBlockSums<S> {
+        let at = |sums: &Lane| sums.half(simd, number);
+        HalfBlockSums {
+            squares: at(&self.squares),
+            units: at(&self.units),
+            along: self.along.each_ref().map(at),
+            unit_along: self.unit_along.each_ref().map(at),
+            products: self.products.each_ref().map(at),
+        }
+    }
 
     /// The sums at each block of vertices under a law with this slope, of nodes with so many amplitudes.
-    fn of_blocks<const COUNT: usize>(predictions: &[Prediction], slope: f32, columns: &Columns) -> Vec<Self> {
-        let mut errors: Vec<ErrorsAtBlock<COUNT>> = Vec::with_capacity(predictions.len());
-        let blocks = columns.blocks().map(|block| {
+    #[inline(always)]
+    fn of_blocks<S: Simd, const COUNT: usize>(
+        simd: S,
+        predictions: &[Prediction],
+        slope: f32,
+        columns: &Columns,
+    ) -> Vec<Self> {
+        let mut errors: Vec<ErrorsAtBlock<S, COUNT>> = Vec::with_capacity(predictions.len());
+        let mut blocks = Vec::with_capacity(columns.blocks().len());
+        for block in columns.blocks() {
             errors.clear();
-            errors
-                .extend(predictions.iter().zip(block).map(|(prediction, own)| prediction.errors(slope, own, block)));
-            Self::of(&errors)
-        });
-        blocks.collect()
+            for (prediction, own) in predictions.iter().zip(block) {
+                errors.push(prediction.errors(simd, slope, own, block));
+            }
+            blocks.push(Self::of(simd, &errors));
+        }
+        blocks
     }
 
     /// The sums of the errors. Each loop has as many sums as there are registers.
-    fn of<const COUNT: usize>(errors: &[ErrorsAtBlock<COUNT>]) -> Self {
-        let (mut among, mut steep) = ([Lane::ZERO; AMONG_DIRECTIONS], [Lane::ZERO; COUNT]);
+    #[inline(always)]
+    fn of<S: Simd, const COUNT: usize>(simd: S, errors: &[ErrorsAtBlock<S, COUNT>]) -> Self {
+        let zero = f32x8::splat(simd, 0.0);
+        let (mut among, mut steep) = ([zero; AMONG_DIRECTIONS], [zero; COUNT]);
         let (mut along, mut unit_along) = (steep, steep);
-        let (mut squares, mut units) = (Lane::ZERO, Lane::ZERO);
+        let (mut squares, mut units) = (zero, zero);
         for ErrorsAtBlock { columns, .. } in errors {
             let mut product = 0;
             for row in 1..COUNT {
@@ -240,43 +289,56 @@ impl BlockSums {
             }
         }
         for ErrorsAtBlock { error, columns, unit } in errors {
+            let unit = f32x8::splat(simd, *unit);
             squares += *error * *error;
-            units += *error * *unit;
+            units += *error * unit;
             for row in 0..COUNT {
-                unit_along[row] += columns[row] * *unit;
+                unit_along[row] += columns[row] * unit;
             }
         }
         let mut products = [Lane::ZERO; PRODUCTS];
         for row in 0..COUNT {
             let first = row * (row + 1) / 2;
-            products[first] = steep[row];
-            products[first + 1..=first + row].copy_from_slice(&among[first - row..first]);
+            products[first] = Lane::of(steep[row]);
+            for column in 1..=row {
+                products[first + column] = Lane::of(among[first - row + column - 1]);
+            }
         }
-        let every = |own: [Lane; COUNT]| std::array::from_fn(|row| own.get(row).copied().unwrap_or(Lane::ZERO));
-        Self { squares, units, along: every(along), unit_along: every(unit_along), products }
+        let every = |own: [f32x8<S>; COUNT]| {
+            std::array::from_fn(|row| own.get(row).map_or(Lane::ZERO, |&values| Lane::of(values)))
+        };
+        Self {
+            squares: Lane::of(squares),
+            units: Lane::of(units),
+            along: every(along),
+            unit_along: every(unit_along),
+            products,
+        }
     }
 }
 
 impl Prediction {
     /// The errors at the vertices of a block, in which the place has the columns `own`, under a law with this slope.
-    #[inline]
-    fn errors<const COUNT: usize>(
+    #[inline(always)]
+    fn errors<S: Simd, const COUNT: usize>(
         &self,
+        simd: S,
         slope: f32,
         own: &[Lane; COLUMNS],
         block: &[[Lane; COLUMNS]],
-    ) -> ErrorsAtBlock<COUNT> {
-        let precision = Lane::splat(self.precision);
-        let mut columns: [Lane; COUNT] = std::array::from_fn(|column| own[column] * precision);
+    ) -> ErrorsAtBlock<S, COUNT> {
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let precision = splat(self.precision);
+        let mut columns: [f32x8<S>; COUNT] = std::array::from_fn(|column| own[column].load(simd) * precision);
         for (&at, &weight) in self.at.iter().zip(&self.weights).take(self.neighbours) {
-            let weight = Lane::splat(weight);
+            let weight = splat(weight);
             for (column, other) in columns.iter_mut().zip(&block[at as usize]) {
-                *column -= weight * *other;
+                *column -= weight * other.load(simd);
             }
         }
-        let error = Lane::splat(self.margin) + Lane::splat(slope) * columns[0];
-        columns[0] -= Lane::splat(self.level);
-        ErrorsAtBlock { error, columns, unit: Lane::splat(self.unit) }
+        let error = splat(self.margin) + splat(slope) * columns[0];
+        columns[0] -= splat(self.level);
+        ErrorsAtBlock { error, columns, unit: self.unit }
     }
 }
 
