@@ -19,11 +19,11 @@ pub struct GoalConfig {
     pub field: Option<String>,
     /// The value that is sought, in the unit of the field: a robot that believes to be where the field has it has arrived.
     pub level: f64,
-    /// A robot has arrived when the field is at most this much below the level.
+    /// A robot has arrived when the field is at most this much below the level. A robot that is above the level has arrived too.
     #[serde(default = "default_tolerance")]
     pub tolerance: f64,
-    /// How long the field must stay within the tolerance below and above the level (s). If 0, a robot has arrived when
-    /// it first crosses the level less the tolerance.
+    /// How long the field must stay within the tolerance below and above the level (s). If 0, a robot has arrived as soon as
+    /// the field is the level less the tolerance, or more.
     #[serde(default)]
     pub hold_s: f64,
     /// What a robot does when it has arrived as often as it should.

@@ -75,7 +75,8 @@ pub enum Belief {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BeforeDetection {
-    /// They stand (thesis), and capture nothing before their search has started.
+    /// They stand (thesis), and capture nothing before their search has started. A robot that too few nodes answer drives to
+    /// the nearest node, or looks for nodes, as with the others.
     #[default]
     Wait,
     /// They drive to the place on the map with the least mean distance to the nodes, and capture what they meet.

@@ -28,8 +28,10 @@ const STEP: Timer = Timer(1);
 /// The timer of the next look whether a target is within reach.
 const REACH: Timer = Timer(2);
 
-/// How often a robot looks whether a target is within reach.
+/// How often a robot looks whether a target is within reach, at least.
 const REACH_INTERVAL: Duration = Duration::from_millis(100);
+/// Between two looks it drives at most this share of the reach, so that it passes no target that is nearer than 0.97 of it.
+const REACH_SHARE: f64 = 0.5;
 /// How often a robot that waits for a round looks whether it has come.
 const WAIT_INTERVAL: Duration = Duration::from_millis(20);
 /// Share of a step in which robots begin.
@@ -347,6 +349,13 @@ impl SearchRobot {
         }
     }
 
+    /// The time until it looks again whether a target is within reach.
+    fn until_next_look(&self) -> Duration {
+        let driven_m = self.speed_m_per_s * REACH_INTERVAL.as_secs_f64();
+        let most_m = REACH_SHARE * self.settings.capture_m;
+        if driven_m > most_m { REACH_INTERVAL.mul_f64(most_m / driven_m) } else { REACH_INTERVAL }
+    }
+
     /// Captures the targets within reach: a robot that waits, not before its search has started. Returns whether all are captured: then the search is over.
     fn reach(&mut self, port: &mut Port<'_>) -> bool {
         if self.record.started.is_some() || self.idle.drives() {
@@ -413,14 +422,14 @@ impl Application for SearchRobot {
         // Robots do not ask all at once.
         port.after(self.settings.step.mul_f64(PHASE_SHARE * port.uniform(0)), STEP);
         if !self.is_discrete() {
-            port.after(REACH_INTERVAL, REACH);
+            port.after(self.until_next_look(), REACH);
         }
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         if timer == REACH {
             if !self.reach(port) {
-                port.after(REACH_INTERVAL, REACH);
+                port.after(self.until_next_look(), REACH);
             }
         } else {
             self.end_step(port);

@@ -262,6 +262,21 @@ fn robots_that_patrol_share_the_map_and_capture_what_no_node_detects() {
 }
 
 #[test]
+fn a_fast_robot_captures_what_it_drives_past() {
+    // A lane goes 0.3 m past each target, and in 0.1 s the robot drives 4 m: twice the way within reach.
+    let targets = [3.0, 4.5, 6.0, 7.5, 9.0].map(|y_m| format!("places_m = [[5.9, {y_m:?}]]\nspeed_m_per_s = 0.5"));
+    let scene = Scene {
+        targets: targets.iter().map(String::as_str).collect(),
+        robots: vec!["start_m = [8.0, 1.0]\nspeed_m_per_s = 40.0", "start_m = [11.0, 1.0]\nspeed_m_per_s = 40.0"],
+        errors: "miss_probability = 0.9999999",
+        settings: "before_detection = \"patrol\"",
+        seconds: 60,
+        ..Scene::default()
+    };
+    assert_eq!(scene.run().captured.len(), 5);
+}
+
+#[test]
 fn a_map_that_is_turned_mirrored_and_scaled_will_do() {
     // Its unit is 4 m.
     let map = |place: Position| Position::new(0.25 * place.y_m + 3.0, 0.25 * place.x_m - 7.0, 0.0);

@@ -87,6 +87,20 @@ fn topics(folder: &TempDir) -> BTreeMap<String, u64> {
 }
 
 #[test]
+fn nodes_that_die_during_an_application_are_named() {
+    let deaths = "[faults.deaths]\nnames = [\"n3\", \"n1\"]\nfrom_s = 1.0\nto_s = 2.0\n";
+    let (_folder, summary) = run_text(&[&seeking(), deaths].concat(), &[]);
+    for application in summary["applications"].as_array().unwrap() {
+        let mut names: Vec<&str> =
+            application["deaths"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["n1", "n3"]);
+    }
+    let (_folder, summary) = run_text(&seeking(), &[]);
+    assert!(summary["applications"][0]["deaths"].is_null());
+}
+
+#[test]
 fn robots_arrive_at_the_level_of_a_field() {
     let (_folder, summary) = run_text(&seeking(), &[]);
     let applications = summary["applications"].as_array().unwrap();

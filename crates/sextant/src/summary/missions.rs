@@ -47,6 +47,12 @@ pub struct MissionSummary {
     pub nodes: usize,
     /// Of these, nodes with a place on the map.
     pub nodes_on_map: usize,
+    /// Whether the map is in a frame of its own: robots do not take its directions and lengths as theirs. Absent if not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_own_frame: bool,
+    /// Names of the nodes that died, in the order of their deaths. Absent if none did.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub deaths: Vec<String>,
     /// Names of the sinks that take part. Absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<String>,
@@ -113,9 +119,16 @@ impl MissionSummary {
         }
         let map = match self.map.as_str() {
             "physical" => "with the true places of the nodes".to_owned(),
-            map => format!("on the map `{map}`, which has {} of the nodes", self.nodes_on_map),
+            map => {
+                let frame = if self.has_own_frame { " and is in a frame of its own" } else { "" };
+                format!("on the map `{map}`, which has {} of the nodes{frame}", self.nodes_on_map)
+            }
         };
-        format!("{} take part, {map}", parts.join(", "))
+        let died = match self.deaths.len() {
+            0 => String::new(),
+            count => format!("; {} died", counted(count, "node")),
+        };
+        format!("{} take part, {map}{died}", parts.join(", "))
     }
 
     /// What it came to, in words.

@@ -2,7 +2,7 @@
 
 use sextant_apps::navigation::MapFrame;
 use sextant_channel::Position;
-use sextant_mapper::{CoordinateFrame, Reflection, TopologyMap};
+use sextant_mapper::{CoordinateFrame, Reflection, Similarity, TopologyMap};
 use sextant_scenario::{MissionMap, PlannedMission, Scenario};
 
 use crate::measure::Placement;
@@ -63,7 +63,7 @@ impl WorkingMap {
                 let places = truth.into_iter().map(Some).collect();
                 return Ok(Self { places, frame: MapFrame::Robot, placement: Placement::of_truth() });
             }
-            MissionMap::File { places, .. } => (places.clone(), MapFrame::Robot),
+            MissionMap::File { places, .. } => (places.clone(), frame_of(places, &truth)),
             MissionMap::Computed(name) => {
                 let made = made.iter().find(|made| made.name == *name);
                 let made = made.expect("the check of the scenario refuses unknown maps, and all are made before");
@@ -85,12 +85,48 @@ impl WorkingMap {
     }
 }
 
+/// The frame of a map that was made elsewhere. One that lies, as it is, much farther from the nodes than when it is aligned
+/// is in a frame of its own: turned, mirrored, moved or of another scale.
+fn frame_of(places: &[Option<Position>], truth: &[Position]) -> MapFrame {
+    let known = places.iter().zip(truth).filter_map(|(place, &truth)| Some(((*place)?, truth)));
+    let pairs: Vec<(Position, Position)> = known.collect();
+    let Ok(aligned) = Similarity::fit(&pairs, Reflection::Allowed) else { return MapFrame::Robot };
+    let share = 1.0 / pairs.len() as f64;
+    let middle = pairs.iter().fold(Position::ORIGIN, |sum, pair| sum + pair.1 * share);
+    let mean = |distance_m: &dyn Fn(&(Position, Position)) -> f64| share * pairs.iter().map(distance_m).sum::<f64>();
+    let as_it_is_m = mean(&|&(place, truth)| place.distance_m(truth));
+    let aligned_m = mean(&|&(place, truth)| aligned.apply(place).distance_m(truth));
+    let extent_m = mean(&|&(_, truth)| truth.distance_m(middle));
+    if as_it_is_m > FARTHER * aligned_m + OF_EXTENT * extent_m { MapFrame::Unknown } else { MapFrame::Robot }
+}
+
+/// A map is in a frame of its own if its places are so many times farther from the nodes than those of the aligned map, and by
+/// more than this share of the usual distance of nodes from their middle.
+const FARTHER: f64 = 2.0;
+const OF_EXTENT: f64 = 0.05;
+
 /// Radius of the neighbourhood of a place if the metrics have none (m).
 const NEIGHBOURHOOD_M: f64 = 5.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_map_of_a_file_that_lies_elsewhere_than_the_nodes_is_in_a_frame_of_its_own() {
+        let truth: Vec<Position> =
+            (0..36_u8).map(|i| Position::new(f64::from(i % 6), f64::from(i / 6), 0.0)).collect();
+        let noise = |i: usize| 0.1 * ((7 * i % 5) as f64 - 2.0);
+        let of = |change: &dyn Fn(Position) -> Position| {
+            let noisy =
+                |(i, &place): (usize, &Position)| Some(change(place) + Position::new(noise(i), noise(i + 3), 0.0));
+            frame_of(&truth.iter().enumerate().map(noisy).collect::<Vec<_>>(), &truth)
+        };
+        assert_eq!(of(&|place| place), MapFrame::Robot);
+        assert_eq!(of(&|place| Position::new(-place.x_m, place.y_m, 0.0)), MapFrame::Unknown);
+        assert_eq!(of(&|place| Position::new(-place.y_m, place.x_m, 0.0)), MapFrame::Unknown);
+        assert_eq!(of(&|place| place + Position::new(3.0, 0.0, 0.0)), MapFrame::Unknown);
+    }
 
     #[test]
     fn the_largest_part_of_a_relative_map_is_kept() {

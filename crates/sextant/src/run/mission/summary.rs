@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use sextant_apps::navigation::MapFrame;
 use sextant_apps::{LinkRecord, MissionArrival, MissionGoal, MissionOutcome, SoughtField};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
@@ -45,6 +46,8 @@ pub(super) fn sum_up(
         path_length_m: survey.robots.iter().map(|robot| robot.path_length_m).sum(),
         nodes: is_member.iter().filter(|&&is_member| is_member).count(),
         nodes_on_map: is_member.iter().zip(&map.places).filter(|&(&is, place)| is && place.is_some()).count(),
+        has_own_frame: map.frame == MapFrame::Unknown,
+        deaths: survey.deaths.iter().map(|death| scenario.world().nodes[death.node.index()].name.clone()).collect(),
         sinks: sinks(scenario, mission),
         robots: robots(mission, survey, witness, nodes),
         prediction_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::TargetPlace { .. })),
