@@ -114,8 +114,9 @@ fn tracked_as_given(
     };
     let epochs = Epochs::of(readings);
     let height_m = height_m(receivers, settings.height_m);
-    if heard.len() < if is_driven { 2 } else { 3 } {
-        return Err(missing);
+    let needed = if is_driven { 2 } else { 3 };
+    if heard.len() < needed {
+        return Err(MapError::TooFewReceivers { found: heard.len(), needed });
     }
     let start = match epochs.start(receivers, height_m[0], line.as_ref()) {
         Some(start) => start,
