@@ -145,6 +145,13 @@ fn a_tag_is_tracked_among_receivers() {
     assert!(run(&log, &arguments).status.success(), "a track of ours may be replaced");
     let text = run(&log, &[&known[..], &["--truth", "truth.csv"]].concat());
     assert!(String::from_utf8_lossy(&text.stdout).contains("within the 95 % regions"), "{text:?}");
+    // Two names in each other's row are told.
+    std::fs::write(log.path().join("swapped.csv"), "node,x_m,y_m\nA,4,5\nC,16,3\nB,10,13\nD,-3,9\n").unwrap();
+    let swapped = ["--track", "--known", "swapped.csv"];
+    let track = run(&log, &[&swapped[..], &["--format", "json"]].concat()).json()["tracks"][0].clone();
+    assert_eq!(track["exchanged"][0], serde_json::json!(["B", "C"]), "{track}");
+    let text = run(&log, &swapped).printed();
+    assert!(text.contains("warning: the ranges fit clearly better with `B` and `C`"), "{text}");
     std::fs::write(log.path().join("two.csv"), "node,x_m,y_m\nA,4,5\nB,16,3\n").unwrap();
     let refused = run(&log, &["--track", "--known", "two.csv"]).refusal();
     assert!(refused.contains("at least 3 receivers at known places, but there are those of 2"), "{refused}");

@@ -6,11 +6,13 @@ use std::path::Path;
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, Source, TagReadings, TagTables};
-use sextant_mapper::{DoubtedReceiver, PositionError, Track, TrackMotion, TrackSettings, track};
+use sextant_mapper::{DoubtedReceiver, PositionError, RangeFault, Track, TrackMotion, TrackSettings, track};
 use sextant_recording as recording;
 
 use super::error::MapLogError;
-use crate::summary::{DoubtedSummary, ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, peak_rss_bytes};
+use crate::summary::{
+    DoubtedSummary, ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, UnexplainedSummary, peak_rss_bytes,
+};
 
 /// What a track is made from.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +86,23 @@ pub fn tracks(
             others_m,
         });
         let doubted = doubted.collect();
-        summaries.push(TrackSummary { doubted, ..summary(&tag, &found, heard.len(), job.truth) });
+        let names = |receivers: &[usize]| receivers.iter().map(|&receiver| name(receiver)).collect::<Vec<_>>();
+        let (mut unit, mut exchanged, mut unexplained) = (None, Vec::new(), None);
+        match &found.fault {
+            Some(RangeFault::Unit(other)) => unit = Some(other.name.to_owned()),
+            Some(RangeFault::Exchanged(pairs)) => exchanged = pairs.iter().map(|pair| names(pair)).collect(),
+            Some(RangeFault::Unexplained { usually_m, receivers }) => {
+                unexplained = Some(UnexplainedSummary { usually_m: *usually_m, receivers: names(receivers) });
+            }
+            None => {}
+        }
+        summaries.push(TrackSummary {
+            doubted,
+            unit,
+            exchanged,
+            unexplained,
+            ..summary(&tag, &found, heard.len(), job.truth)
+        });
         tracks.push((tag, found));
     }
     notes.extend(job.truth.and_then(|truth| apart(truth, &tracks)));
@@ -158,7 +176,9 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         odometry_drift_rad_per_m: odometry.map(|(_, drift)| drift),
         settled: fit.settled,
         doubted: Vec::new(),
-        unit: track.unit.map(|unit| unit.name.to_owned()),
+        unit: None,
+        exchanged: Vec::new(),
+        unexplained: None,
         is_beyond_prior: fit.of_ranges.is_some_and(|law| law.is_beyond_prior()),
         position_rmse_m: (count > 0.0).then(|| (squares / count).sqrt()),
         in_region_95: (count > 0.0).then(|| held / count),
