@@ -159,7 +159,8 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         measured_strengths: fit.measured_strengths,
         receivers,
         duration_s: poses.first().zip(poses.last()).map_or(0.0, |(first, last)| span(first.time, last.time)),
-        length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum(),
+        // Adding 0 makes the -0 of a sum of nothing a 0.
+        length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum::<f64>() + 0.0,
         height_m: fit.height_m,
         is_among_receivers: fit.is_among_receivers,
         may_be_mirrored: fit.may_be_mirrored,
@@ -214,6 +215,18 @@ mod tests {
         let pose = |second| Pose { time: at(second), position: receivers[0] };
         let truth = robot_log::Path::new(vec![pose(truth_from), pose(truth_from + 30)]).unwrap();
         apart(&truth, &[("tag".to_owned(), found)]).into_iter().collect()
+    }
+
+    #[test]
+    fn a_tag_at_one_place_has_gone_0_m_and_not_less() {
+        let receivers = [Position::new(0.0, 0.0, 0.0), Position::new(10.0, 0.0, 0.0), Position::new(0.0, 8.0, 0.0)];
+        let readings: Vec<TagReading> = [5.0, 7.2, 5.1]
+            .iter()
+            .enumerate()
+            .map(|(number, &range_m)| TagReading::range(number, at(1), range_m))
+            .collect();
+        let found = track(&receivers, &readings, TrackSettings::default(), &Unwatched).unwrap();
+        assert_eq!(format!("{:.0}", summary("tag", &found, 3, None).length_m), "0");
     }
 
     #[test]
