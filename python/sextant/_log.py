@@ -165,6 +165,7 @@ class Log:
         network: str | None = None,
         area: str | tuple[float, float, float, float] | None = None,
         floorplan: str | os.PathLike[str] | None = None,
+        floorplan_unit: str | None = None,
         way_m: float | None = None,
         speed_m_per_s: float | None = None,
         listen_s: float | None = None,
@@ -186,6 +187,9 @@ class Log:
             the stops of the log as nodes are heard.
         floorplan : path, optional
             Walls that the robot goes round: a map of ROS, GeoJSON, DXF, or what ``sextant floorplan`` wrote.
+        floorplan_unit : str, optional
+            Unit of lengths of a plan in DXF, or in GeoJSON that is not in degrees: ``"mm"``, ``"m"``, ``"ft"`` or another one; the
+            default is what the file says.
         way_m : float, optional
             The longest way of all stops together (m).
         speed_m_per_s, listen_s : float, optional
@@ -217,6 +221,7 @@ class Log:
             "network": network,
             "area": _box(area),
             "floorplan": None if floorplan is None else os.path.abspath(os.fspath(floorplan)),
+            "floorplan_unit": floorplan_unit,
             "way_m": way_m,
             "speed_m_per_s": speed_m_per_s,
             "listen_s": listen_s,

@@ -98,7 +98,8 @@ impl Log {
             let input = &self.origin.input;
             let (log, plane) = (input.log().clone(), input.plane);
             let (notes, findings) = (Vec::new(), self.seen.clone());
-            let read = RobotLog { log, plane, notes, findings, clock: None, middles: BTreeMap::new() };
+            let read =
+                RobotLog { log, plane, notes, findings, clock: None, middles: BTreeMap::new(), odometry: None };
             let examined = supervised(py, None, None, |_| logs::examine(read))?;
             // Another thread may have been faster, with the same result.
             let _ = self.findings.set(examined.findings.iter().map(ToString::to_string).collect());

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use sextant::floorplan::{FloorPlanError, LengthUnit};
 use sextant::mapping;
 use sextant::next::{NextSettings, map_settings, next_stops as stops_of};
 use sextant::scenario::AlgorithmName;
@@ -24,6 +25,7 @@ pub(crate) struct Asked<'py> {
     network: Option<String>,
     area: Option<String>,
     floorplan: Option<PathBuf>,
+    floorplan_unit: Option<String>,
     way_m: Option<f64>,
     speed_m_per_s: Option<f64>,
     listen_s: Option<f64>,
@@ -48,7 +50,10 @@ pub(crate) fn next_stops<'py>(
     let settings = settings.or_exception(py)?;
     let area = asked.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose();
     if let Some(path) = &asked.floorplan {
-        input.lay(path).map_err(|why| PyValueError::new_err(why.to_string()))?;
+        let unit = asked.floorplan_unit.as_deref().map(str::parse::<LengthUnit>).transpose();
+        let unit = unit.map_err(|why| PyValueError::new_err(format!("floorplan_unit: {why}")))?;
+        let refused = |why: FloorPlanError| why.to_string().replace("option `unit`", "`floorplan_unit`");
+        input.lay(path, unit).map_err(|why| PyValueError::new_err(refused(why)))?;
     }
     let asked = NextSettings {
         stops: asked.stops,

@@ -239,6 +239,6 @@ def test_the_next_stops_are_those_of_the_command_line(folder: Path, command: Cal
     found = sextant.read(folder).next_stops(2)
     assert [stop["stop"] for stop in found["stops"]] == ["next1", "next2"]
     assert found == printed
-    for wrong, message in ({"area": (1.0, 1.0, 0.0, 0.0)}, "area"), ({"floorplan": tmp_path / "none.toml"}, "none.toml"), ({"robot": "nobody"}, "nobody"):
+    for wrong, message in ({"area": (1.0, 1.0, 0.0, 0.0)}, "area"), ({"floorplan": tmp_path / "none.toml"}, "none.toml"), ({"floorplan": tmp_path / "none.dxf", "floorplan_unit": "mile"}, "floorplan_unit"), ({"robot": "nobody"}, "nobody"):
         with pytest.raises((sextant.SextantError, ValueError), match=message):
             sextant.read(folder).next_stops(**wrong)

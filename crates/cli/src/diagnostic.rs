@@ -149,6 +149,9 @@ impl From<FloorPlanError> for Failure {
             FloorPlanError::NoUnit { .. } => {
                 Some("measure a door: --unit mm if it is about 900 wide, --unit m if it is 0.9")
             }
+            FloorPlanError::NotDegrees { .. } => {
+                Some("--unit m if they are metres; otherwise keep the building alone")
+            }
             FloorPlanError::NoWalls { path, .. } if floorplan::is_traced(path) => {
                 Some("walls are dark; what is thicker than --thickest is no wall")
             }

@@ -26,6 +26,7 @@ mod csv;
 pub mod doctor;
 mod error;
 mod log;
+mod median;
 mod options;
 mod packets;
 mod path;
@@ -47,7 +48,7 @@ pub use error::sniffer_error::SnifferError;
 pub use log::memory_log::MemoryLog;
 pub use log::names::Names;
 pub use log::part_name::is_part_of_log;
-pub use log::row_log::{RowLog, TakeRow};
+pub use log::row_log::{RowLog, TakeRow, UNUSED_RANGES};
 pub use log::source::{Source, examine, gather_tables, inspect_capture, read, read_tables, refuse_options};
 pub use log::tags::readings::{
     TagReadings, TagTables, has_tag_readings, read_tag_readings, read_tag_tables, read_true_path,

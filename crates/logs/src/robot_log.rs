@@ -24,4 +24,6 @@ pub struct RobotLog {
     /// The middle of the time of each stop that is a part of a path, by its robot and its start: the place of such a stop is the mean
     /// over its time. Empty if robots stood at their stops.
     pub middles: BTreeMap<(RobotId, SimTime), SimTime>,
+    /// The name of the file whose odometry is the path, if it is one: odometry drifts.
+    pub odometry: Option<String>,
 }

@@ -35,7 +35,7 @@ pub enum MapError {
     #[error("the log has no stops; a grid needs at least one place where the robot listened")]
     NoStops,
     /// The algorithm needs knowledge that it was not given.
-    #[error("`{algorithm}` needs {what}, which are missing here; {remedy}")]
+    #[error("`{algorithm}` needs {what}; {remedy}")]
     Missing {
         /// The algorithm.
         algorithm: &'static str,
@@ -43,6 +43,21 @@ pub enum MapError {
         what: &'static str,
         /// Where it could come from.
         remedy: &'static str,
+    },
+    /// A tag was heard by too few receivers.
+    #[error(
+        "`track` needs readings of at least {needed} receivers at known places, but there are those of {found}; {}",
+        if *needed == 2 {
+            "receivers without a known place do not count"
+        } else {
+            "receivers without a known place do not count; with odometry of the robot that carries the tag, 2 are enough"
+        }
+    )]
+    TooFewReceivers {
+        /// Receivers at known places that have a reading.
+        found: usize,
+        /// Receivers needed.
+        needed: usize,
     },
     /// The places that nodes can have are known, but the algorithm has no use for them.
     #[error("`{algorithm}` cannot use what is known of the places of nodes; algorithms that can: {known}")]

@@ -92,8 +92,8 @@ pub use grid_ml::{
 };
 pub use joint_path::{
     ContradictedPlace, DoubtedReceiver, EstimatedPath, HeldOut, LateClock, OnEstimatedPath, OnRobot, PathError,
-    PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, TagReading, TagValue, Track, TrackFit, TrackMotion,
-    TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, estimate_path, track,
+    PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, RangeFault, TagReading, TagValue, Track, TrackFit,
+    TrackMotion, TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

@@ -89,25 +89,41 @@ impl Unit {
     }
 }
 
+/// Walls under a log.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct PlanUnit {
+    /// Unit of lengths of a floor plan in DXF, or in GeoJSON that is not in degrees [default: what the file says]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "floorplan")]
+    pub(crate) floorplan_unit: Option<Unit>,
+}
+
 /// Puts the walls of a plan under the maps of a log.
 ///
 /// # Errors
 /// If the plan cannot be read, or a wall is invalid.
-pub(super) fn lay(plan: Option<&Path>, input: &mut Input) -> Result<(), Failure> {
-    plan.map_or(Ok(()), |plan| input.lay(plan).map_err(unlaid))
+pub(super) fn lay(plan: Option<&Path>, unit: &PlanUnit, input: &mut Input) -> Result<(), Failure> {
+    let unit = unit.floorplan_unit.map(Unit::length);
+    plan.map_or(Ok(()), |plan| input.lay(plan, unit).map_err(unlaid))
 }
 
-/// Why a plan is not laid under a map. What it does not say, only `sextant floorplan` can be told.
+/// Why a plan is not laid under a map. Its unit is a flag here; the length of a pixel is one of `sextant floorplan` alone.
 fn unlaid(error: FloorPlanError) -> Failure {
-    let (path, flag) = match &error {
-        FloorPlanError::NoScale { path } => (path, "--scale 0.05"),
-        FloorPlanError::NoUnit { path } => (path, "--unit mm"),
+    let problem = error.to_string().replace("option `unit`", "`--floorplan-unit`");
+    let help = match &error {
+        FloorPlanError::NoScale { path } => {
+            let plan = path.display();
+            format!(
+                "convert it first: sextant floorplan {plan} --scale 0.05 --out walls.toml, then --floorplan walls.toml"
+            )
+        }
+        FloorPlanError::NoUnit { .. } => "--floorplan-unit mm if a door is about 900 wide, m if it is 0.9".to_owned(),
+        FloorPlanError::NotDegrees { .. } => {
+            "--floorplan-unit m if they are metres in the frame of the log".to_owned()
+        }
+        FloorPlanError::Option { .. } => "leave it out".to_owned(),
         _ => return error.into(),
     };
-    let plan = path.display();
-    let help =
-        format!("convert it first: sextant floorplan {plan} {flag} --out walls.toml, then --floorplan walls.toml");
-    Failure::bad_input_with_help(error.to_string(), help)
+    Failure::bad_input_with_help(problem, help)
 }
 
 /// Tells what the user should know.

@@ -34,6 +34,9 @@ pub(crate) struct Arguments {
     /// frame of the log
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
+    /// The unit of the floor plan.
+    #[command(flatten)]
+    pub(crate) plan_unit: floorplan::PlanUnit,
     /// The most stops
     #[arg(long, value_name = "N", default_value_t = NextSettings::default().stops)]
     pub(crate) stops: usize,
@@ -90,7 +93,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
     let settings = map_settings(&input, arguments.algorithm, arguments.profile.as_deref(), network)?;
     let area = arguments.area.as_deref().map(|text| mapping::read_area(text, input.plane.as_ref())).transpose()?;
-    floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
+    floorplan::lay(arguments.floorplan.as_deref(), &arguments.plan_unit, &mut input)?;
     let next = NextSettings {
         stops: arguments.stops,
         area,

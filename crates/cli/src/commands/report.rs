@@ -48,6 +48,9 @@ pub(crate) struct Arguments {
     /// Walls under the map of a log: a map of ROS, GeoJSON, DXF or walls.toml, as for `map`
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
+    /// The unit of the floor plan.
+    #[command(flatten)]
+    pub(crate) plan_unit: floorplan::PlanUnit,
     /// What may be replaced.
     #[command(flatten)]
     pub(crate) replacing: Replacing,
@@ -123,7 +126,7 @@ fn of_log(arguments: &Arguments, interrupt: &Interrupt) -> Result<Report, Failur
         let truth = robot_log::read_truth(path, fields, input.plane.as_ref(), &mut input.notes)?;
         input.take_truth(truth);
     }
-    floorplan::lay(arguments.floorplan.as_deref(), &mut input)?;
+    floorplan::lay(arguments.floorplan.as_deref(), &arguments.plan_unit, &mut input)?;
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let mapped = Report::of_log(&whole_name(&arguments.input), &mut input, &settings, with_flags, &watcher)?;
     watcher.clear();

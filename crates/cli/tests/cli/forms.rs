@@ -57,7 +57,7 @@ fn rows_of_a_wide_table_at_one_place_are_scans_of_a_stop() {
     assert_eq!(
         log.notes,
         [
-            "wide.csv: 3 columns from `a` to `c` hold the strengths of nodes (option `node_columns` chooses them)",
+            "wide.csv: 3 columns with the strengths of nodes: `a`, `b`, `c` (option `node_columns` chooses them)",
             "wide.csv: 3 rows are scans at 2 places; those at one place are one stop",
             "wide.csv: 4 of 9 cells say that a node was not heard, and 1 empty ones say nothing (option `missing` sets what they \
              hold)",

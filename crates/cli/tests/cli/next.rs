@@ -80,6 +80,59 @@ fn no_stop_is_behind_a_wall_without_a_door() {
 }
 
 #[test]
+fn walls_of_geojson_are_in_the_unit_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_log(&path.join("log"), 14);
+    // A wall along y = 1 in metres, which as degrees would be larger than a building.
+    let wall = r#"{"type": "LineString", "coordinates": [[-9.0, 1.0], [40.0, 1.0]]}"#;
+    fs::write(path.join("walls.geojson"), wall).unwrap();
+    let words =
+        ["log", "--algorithm", "link-model", "--area", "0,-6,26,8", "--stops", "3", "--floorplan", "walls.geojson"];
+    let refused = String::from_utf8_lossy(&next(path, &words).stderr).into_owned();
+    let flat: String = refused.replace("│", " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        flat.contains("49.000 by 0.000 degrees") && flat.contains("`--floorplan-unit` says their unit"),
+        "{refused}"
+    );
+    let stops = places(&found(path, &[&words[..], &["--floorplan-unit", "m"]].concat()));
+    assert!(!stops.is_empty() && stops.iter().all(|[_, y]| *y < 0.7), "{stops:?}");
+    // The same flag of the other commands that lay a plan under a log.
+    for (command, out) in [("map", "map.csv"), ("report", "log.html")] {
+        let words = [command, "log", "--algorithm", "packet-centroid", "--floorplan", "walls.geojson", "--out", out];
+        let call = |more: &[&str]| sextant().args(words).args(more).current_dir(path).output().unwrap();
+        assert_eq!(call(&[]).status.code(), Some(2), "{command}");
+        let done = call(&["--floorplan-unit", "m"]);
+        assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+    }
+}
+
+#[test]
+fn ranges_alone_do_not_tell_where_to_stop() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_log(&path.join("log"), 5);
+    let mut rows = String::from("node,stop,range_m\n");
+    for (stop, node) in (0..5).flat_map(|stop| (0..3).map(move |node| (stop, node))) {
+        writeln!(rows, "n{node},s{stop},{:.3}", f64::hypot(2.0 * f64::from(stop) - 3.0, f64::from(node) + 2.0))
+            .unwrap();
+    }
+    fs::write(path.join("log/ranges.csv"), rows).unwrap();
+    let told = |words: &[&str]| {
+        let output = next(path, words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        let error = String::from_utf8_lossy(&output.stderr).replace("│", " ");
+        error.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let of_ranges = told(&["log", "--algorithm", "range-ml"]);
+    assert!(of_ranges.contains("a map that is made of ranges does not tell these"), "{of_ranges}");
+    assert!(of_ranges.contains("`link-model`"), "{of_ranges}");
+    fs::remove_file(path.join("log/receptions.csv")).unwrap();
+    let alone = told(&["log"]);
+    assert!(alone.contains("the log has ranges and no packets") && !alone.contains("auto"), "{alone}");
+}
+
+#[test]
 fn what_is_missing_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
@@ -95,7 +148,7 @@ fn what_is_missing_is_told() {
         (&["log", "--area", "5,5,1,1"], "allowed: four numbers x0,y0,x1,y1"),
         (&["log", "--stops", "0"], "the number of stops is 0; allowed: 1 and more"),
         (&["log", "--speed", "0"], "the speed (m/s) is 0; allowed: a number above 0"),
-        (&["log", "--floorplan", "hall.dxf"], "convert it first: sextant floorplan hall.dxf --unit mm"),
+        (&["log", "--floorplan", "hall.dxf"], "--floorplan-unit mm if a door is about 900 wide"),
         (&["log", "--robot", "bob"], "the robot `bob` is not in the log"),
         (&["log", "--algorithm", "packet-centroid"], "gives places without their covariance"),
         (&["one"], "the log has 1 stop; at least 2"),

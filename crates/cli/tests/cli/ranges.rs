@@ -83,12 +83,27 @@ fn odometry_is_corrected_by_ranges() {
     let [odometry, _, ranges] = drive(2, 0.012);
     let log = folder(&[("odometry.csv", &odometry), ("ranges.csv", &ranges), ("nodes.csv", NODES)]);
     let error = |output: &Output| output.json()["maps"][0]["position_error_m"]["mean"].as_f64().unwrap();
-    let believed_m = error(&run(&log, &["--truth", "nodes.csv", "--format", "json"]));
+    let as_believed = run(&log, &["--truth", "nodes.csv", "--format", "json"]);
+    let believed_m = error(&as_believed);
     let out = folder(&[]);
     let [tum, csv] = ["path.tum", "path.csv"].map(|name| out.path().join(name).display().to_string());
     let arguments = ["--estimate-path", "--path-out", &tum, "--truth", "nodes.csv", "--format", "json"];
     let corrected = run(&log, &arguments);
     assert!(error(&corrected) < 0.3 * believed_m, "{} of {believed_m} m", error(&corrected));
+    // What corrects odometry is told where it was not done.
+    let told = "odometry.csv is the path, and odometry drifts: `sextant map` with `--estimate-path` corrects it";
+    let notes = |output: &Output| output.json()["notes"].to_string();
+    assert!(
+        notes(&as_believed).contains(told) && !notes(&corrected).contains("and odometry drifts"),
+        "{}",
+        notes(&corrected)
+    );
+    for words in [&["inspect"][..], &["report", "--algorithm", "range-ml"]] {
+        let output = sextant().args(words).arg(log.path()).current_dir(out.path()).output().unwrap();
+        let (_, printed, message) = output.all();
+        let all = (printed + &message).replace("│", " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(all.contains(told), "{words:?}: {all}");
+    }
     let path = &corrected.json()["path"];
     assert_eq!((path["moved"].as_bool(), path["frame"].as_str()), (Some(true), Some("first-pose")));
     let tum = std::fs::read_to_string(&tum).unwrap();
@@ -130,9 +145,16 @@ fn a_tag_is_tracked_among_receivers() {
     assert!(run(&log, &arguments).status.success(), "a track of ours may be replaced");
     let text = run(&log, &[&known[..], &["--truth", "truth.csv"]].concat());
     assert!(String::from_utf8_lossy(&text.stdout).contains("within the 95 % regions"), "{text:?}");
+    // Two names in each other's row are told.
+    std::fs::write(log.path().join("swapped.csv"), "node,x_m,y_m\nA,4,5\nC,16,3\nB,10,13\nD,-3,9\n").unwrap();
+    let swapped = ["--track", "--known", "swapped.csv"];
+    let track = run(&log, &[&swapped[..], &["--format", "json"]].concat()).json()["tracks"][0].clone();
+    assert_eq!(track["exchanged"][0], serde_json::json!(["B", "C"]), "{track}");
+    let text = run(&log, &swapped).printed();
+    assert!(text.contains("warning: the ranges fit clearly better with `B` and `C`"), "{text}");
     std::fs::write(log.path().join("two.csv"), "node,x_m,y_m\nA,4,5\nB,16,3\n").unwrap();
     let refused = run(&log, &["--track", "--known", "two.csv"]).refusal();
-    assert!(refused.contains("three receivers"), "{refused}");
+    assert!(refused.contains("at least 3 receivers at known places, but there are those of 2"), "{refused}");
     let refused = run(&log, &["--track"]).refusal();
     assert!(refused.contains("--known"), "{refused}");
     std::fs::write(log.path().join("other.csv"), "node,x_m,y_m\nX,4,5\n").unwrap();

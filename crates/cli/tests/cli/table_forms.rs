@@ -119,18 +119,39 @@ fn a_time_without_a_zone_is_never_guessed() {
 }
 
 #[test]
+fn columns_that_are_named_as_something_else_are_no_nodes_of_a_wide_table() {
+    // All of them have values below 0, as strengths have.
+    let text = "x_m,y_m,floor,lamp,temperature_c,door,heading_rad,Battery Level\n\
+        0,0,-1,-50,-4.5,-70,-1.5,-0.1\n4,0,-1,-60,-5,-62,-1.25,-0.2\n";
+    let log = read(&[("wide.csv", text)], FormOptions::default()).unwrap();
+    assert_eq!(log.log.names(), ["lamp", "door"]);
+    for note in [
+        "wide.csv: 2 columns with the strengths of nodes: `lamp`, `door` (option `node_columns` chooses them)",
+        "wide.csv: by their names, no nodes are: `floor`, `temperature_c`, `heading_rad`, `Battery Level` (option \
+         `node_columns` chooses nodes)",
+    ] {
+        assert!(log.notes.iter().any(|told| told == note), "{:?}", log.notes);
+    }
+    // Whoever has a node of such a name says so.
+    let chosen = FormOptions { node_columns: vec!["floor".parse().unwrap()], ..FormOptions::default() };
+    assert_eq!(read(&[("wide.csv", text)], chosen).unwrap().log.names(), ["floor"]);
+    let problem = read(&[("wide.csv", "x_m,y_m,speed\n0,0,-1\n")], FormOptions::default()).unwrap_err();
+    assert!(problem.contains("no column is a node"), "{problem}");
+}
+
+#[test]
 fn columns_without_a_negative_value_are_no_nodes_of_a_wide_table() {
-    let text = "x_m,y_m,FloorID,lamp,Building,door,never\n0,0,2,-50,A,100,100\n4,0,2,100,A,-60,100\n";
+    let text = "x_m,y_m,Deck,lamp,Wing,door,never\n0,0,2,-50,A,100,100\n4,0,2,100,A,-60,100\n";
     let missing = FormOptions { missing: vec!["100".parse().unwrap()], ..FormOptions::default() };
     let log = read(&[("wide.csv", text)], missing.clone()).unwrap();
     // A node that was never heard has no value but the one for that.
     assert_eq!(log.log.names(), ["lamp", "door", "never"]);
-    let note = "wide.csv: without a negative value, and so without strengths in dBm, no nodes are: `FloorID`, `Building` (option \
+    let note = "wide.csv: without a negative value, and so without strengths in dBm, no nodes are: `Deck`, `Wing` (option \
         `node_columns` chooses nodes)";
     assert!(log.notes.iter().any(|told| told == note), "{:?}", log.notes);
-    let chosen = FormOptions { node_columns: vec!["lamp".parse().unwrap(), "FloorID".parse().unwrap()], ..missing };
-    assert_eq!(read(&[("wide.csv", text)], chosen).unwrap().log.names(), ["FloorID", "lamp"]);
-    let problem = read(&[("wide.csv", "x_m,y_m,FloorID\n0,0,2\n1,0,3\n")], FormOptions::default()).unwrap_err();
+    let chosen = FormOptions { node_columns: vec!["lamp".parse().unwrap(), "Deck".parse().unwrap()], ..missing };
+    assert_eq!(read(&[("wide.csv", text)], chosen).unwrap().log.names(), ["Deck", "lamp"]);
+    let problem = read(&[("wide.csv", "x_m,y_m,Deck\n0,0,2\n1,0,3\n")], FormOptions::default()).unwrap_err();
     assert!(problem.contains("no column has a negative value"), "{problem}");
 }
 

@@ -172,6 +172,23 @@ fn what_tiles_cannot_do_is_refused_and_leaves_nothing() {
     }
 }
 
+#[test]
+fn tiles_are_made_of_receptions_and_not_of_ranges() {
+    let folder = TempDir::new().expect("there is room");
+    let log = folder.path().join("log");
+    csv_log(&log, "node,stop,received,sent", |_, _, distance_m| (distance_m < 5.0).then(|| "2,4".to_owned()));
+    std::fs::write(log.join("ranges.csv"), "node,stop,range_m\nn1,s1,2\nn1,s2,3\n").expect("there is room");
+    let map = || {
+        let words = ["--tiles", "2", "--profile", "trapezoid:p0=0.8,plateau_m=0,range_m=6", "--format", "json"];
+        sextant().arg("map").arg(&log).args(words).output().expect("it starts")
+    };
+    let notes = map().json()["notes"].to_string();
+    assert!(notes.contains("measured ranges are not used, because the log is mapped part by part"), "{notes}");
+    std::fs::remove_file(log.join("receptions.csv")).expect("it is there");
+    let refused = map().refusal();
+    assert!(refused.contains("tiles are made of receptions") && refused.contains("receptions.csv"), "{refused}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_under_the_temporary_file_is_an_error_and_leaves_nothing() {

@@ -130,13 +130,13 @@ impl Header {
         self.columns.iter().position(|column| column == name)
     }
 
-    /// The names of the columns that are ignored, if any has one.
-    pub(crate) fn ignored_names(&self) -> Option<String> {
+    /// The names of the columns that are ignored, without those that are `understood` elsewhere; `None` if there are none.
+    pub(crate) fn ignored_names(&self, understood: &[&str]) -> Option<String> {
         let names: Vec<String> = self
             .ignored
             .iter()
             .map(|&at| &self.written[at])
-            .filter(|name| !name.is_empty())
+            .filter(|name| !name.is_empty() && !understood.contains(&name.as_str()))
             .map(|name| format!("`{name}`"))
             .collect();
         (!names.is_empty()).then(|| choices(&names))

@@ -143,7 +143,12 @@ impl<'a> Table<'a> {
 
     /// What the user should know of how it is written: the columns that are ignored, and files that may be cut at their ends.
     pub(crate) fn notes(&self) -> Vec<String> {
-        let ignored = self.head.header().ignored_names();
+        self.notes_besides(&[])
+    }
+
+    /// The same where columns with the names `understood` are read elsewhere.
+    pub(crate) fn notes_besides(&self, understood: &[&str]) -> Vec<String> {
+        let ignored = self.head.header().ignored_names(understood);
         let ignored = ignored.map(|names| format!("{}: ignored columns: {names}", self.head.name()));
         let files = match &self.body {
             TableBody::Files { files, .. } => files.as_slice(),

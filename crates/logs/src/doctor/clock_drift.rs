@@ -23,6 +23,10 @@ impl ClockDrift {
     /// The halves of a log whose delays clearly differ. `None` too if they cannot be told: without strengths, from few packets,
     /// or if another delay explains as much.
     pub(crate) fn of(samples: &Samples, paths: &[&Path]) -> Option<Self> {
+        // Only strengths tell it, and an estimate takes its time.
+        if !samples.have_strengths() {
+            return None;
+        }
         let start = paths.iter().map(|path| path.span().0).min()?;
         let end = paths.iter().map(|path| path.span().1).max()?;
         let middle = start + end.saturating_since(start) / 2;

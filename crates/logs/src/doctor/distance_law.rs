@@ -72,8 +72,7 @@ impl DistanceLaw {
 
 /// The median of values, of which there is one at least: the upper one of two in the middle.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    crate::median::median(&mut values).expect("there is one at least")
 }
 
 /// All shadowings that are tried where nodes are heard over this extent (m), those of each range together.

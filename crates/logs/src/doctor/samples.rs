@@ -56,6 +56,11 @@ impl Samples {
         of_node.seen += 1;
     }
 
+    /// Whether any of the packets that were kept has a strength.
+    pub(super) fn have_strengths(&self) -> bool {
+        self.nodes().flatten().any(|packet| packet.rssi_dbm.is_some())
+    }
+
     /// Those of the packets that were received at such times.
     pub(super) fn filtered(&self, is_wanted: impl Fn(SimTime) -> bool) -> Self {
         let of_node = |node: &OfNode| {
@@ -74,6 +79,15 @@ impl Samples {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_strength_is_enough_to_have_some() {
+        let mut samples = Samples::default();
+        samples.take(0, RobotId(0), SimTime::ZERO, None);
+        assert!(!samples.have_strengths());
+        samples.take(1, RobotId(0), SimTime::ZERO, Some(-60.0));
+        assert!(samples.have_strengths());
+    }
 
     #[test]
     fn what_is_kept_of_many_packets_is_spread_evenly() {

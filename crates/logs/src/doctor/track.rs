@@ -12,6 +12,7 @@ use sextant_channel::Position;
 use super::node_fit::{Law, NodeFit, Observation, Pattern};
 use super::route::Route;
 use super::samples::PacketSample;
+use crate::median::median;
 
 /// A node with fewer packets says nothing.
 pub(super) const LEAST_OF_NODE: usize = 12;
@@ -63,8 +64,7 @@ impl<'a> PacketTrack<'a> {
             let fit = NodeFit::of(&observations, track.law, &none)?;
             let error = |one: &Observation| (one.value - fit.eta_of(one, &none)).abs();
             let mut errors: Vec<f64> = observations.iter().map(error).collect();
-            let middle = errors.len() / 2;
-            let usual = *errors.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let usual = median(&mut errors)?;
             track.law = Law::Strengths { scale_db: (1.5 * usual).clamp(1.0, 8.0) };
         }
         Some(track)

@@ -6,6 +6,7 @@ use sextant_channel::{Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::finding::Finding;
+use crate::median::median;
 use sextant_kernel::text::listed;
 
 /// Nodes that were heard at fewer stops are not compared.
@@ -80,7 +81,5 @@ fn are_alike(a: &[Reception], b: &[Reception]) -> bool {
 /// The median strength of rows.
 fn median_dbm(rows: &[Reception]) -> Option<f64> {
     let mut levels: Vec<f64> = rows.iter().filter_map(|row| row.rssi_dbm).collect();
-    let middle = levels.len() / 2;
-    levels.sort_by(f64::total_cmp);
-    levels.get(middle).copied()
+    median(&mut levels)
 }

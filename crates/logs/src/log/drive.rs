@@ -16,6 +16,7 @@ use crate::packets::packet_table;
 use crate::packets::packet_table::Robots;
 use crate::packets::reciprocal::Roles;
 use crate::path::gpx;
+use crate::path::headings;
 use crate::path::nmea;
 use crate::path::path_file;
 use crate::path::paths::Paths;
@@ -76,14 +77,9 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         Some(folder) => Companions::of_folder(folder, options.form.time_zone),
         None => Companions::none(path.file.as_path().into()),
     };
-    if path.name() == file_names::ODOMETRY {
-        notes.push(format!(
-            "{} is the path, and odometry drifts: option `estimate_path` corrects it",
-            file_names::ODOMETRY
-        ));
-    }
+    let odometry = Some(path.name()).filter(|name| name == file_names::ODOMETRY);
     let table = (path.kind == PathKind::Csv).then(|| TableSource::from(path.file.as_path()));
-    gather(paths, table, &companions, options, notes, |known, roles, gatherer, notes| {
+    let log = gather(paths, table, &companions, options, notes, |known, roles, gatherer, notes| {
         if let Some(ranges) = &bag_ranges {
             ranges.gather_ranges(clock, gatherer)?;
         }
@@ -107,7 +103,8 @@ pub(crate) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
                     .try_for_each(|file| packet_table::read(file.as_path(), &written, robots, roles, gatherer, notes))
             }
         }
-    })
+    })?;
+    Ok(RobotLog { odometry, ..log })
 }
 
 /// Reads the log of a path and packets in tables.
@@ -138,8 +135,9 @@ fn gather(
     mut notes: Vec<String>,
     hear: impl FnOnce(&[String], &mut Roles, &mut Gatherer, &mut Vec<String>) -> Result<(), RobotLogError>,
 ) -> Result<RobotLog, RobotLogError> {
-    let Paths { paths, mut robots, is_named, plane } = paths;
+    let Paths { paths, mut robots, is_named, plane, headings: turned } = paths;
     let with_path = paths.len();
+    let part = table.as_ref().map(TableSource::part);
     let contacts = companions.contacts(plane, &mut robots, &mut notes)?;
     let names = robots.into_vec();
     let known = if is_named { &names[..with_path] } else { &[] };
@@ -153,6 +151,9 @@ fn gather(
     };
     if let Some(ranges) = ranges {
         gatherer.take_ranges(ranges);
+    }
+    if let (Some(column), Some(part), None) = (turned, part, &companions.tags) {
+        notes.push(headings::unused_note(&part.name(), column));
     }
     let gathered = gatherer.finish()?;
     companions.refuse_sector_snrs()?;

@@ -26,6 +26,9 @@ use crate::stops::pairs::{Collected, Collector, Kept, PairCount, Rule, Seen};
 use crate::stops::receptions::{self, OfRows, ReadRow, SignalKind};
 use crate::stops::stop_table::{self, Stops};
 
+/// What a user should know of a log with ranges that is mapped part by part.
+pub const UNUSED_RANGES: &str = "measured ranges are not used, because the log is mapped part by part";
+
 /// No row states the packets sent.
 const UNSTATED: u32 = u32::MAX;
 
@@ -65,8 +68,15 @@ impl RowLog {
         let layout = Layout::of(path, &options.form)?;
         form::refuse(&path.into(), layout.form(), options)?;
         let Layout::Stops(folder) = &layout else { return Ok(None) };
-        let companions = Companions::of_folder(folder, options.form.time_zone);
         let mut notes = Vec::new();
+        let companions = Companions::of_folder(folder, options.form.time_zone);
+        let file = folder.join(RECEPTIONS);
+        if companions.ranges.is_some() {
+            if !file.exists() {
+                return Ok(None);
+            }
+            notes.push(UNUSED_RANGES.to_owned());
+        }
         if options.form.reciprocal {
             notes.push(reciprocal::NOTE.to_owned());
         }
@@ -77,7 +87,6 @@ impl RowLog {
         if stops.stops.is_empty() {
             return Err(RobotLogError::NoStops { part: folder.as_path().into() });
         }
-        let file = folder.join(RECEPTIONS);
         let mut rssi = RssiCheck::new(options);
         let mut strengths = Strengths::of(&options.form);
         let (rows, kind) =

@@ -92,6 +92,7 @@ pub(crate) fn read(log: StopLog<'_>, options: &ReadOptions) -> Result<RobotLog, 
         notes,
         clock: None,
         middles: BTreeMap::new(),
+        odometry: None,
     })
 }
 
@@ -161,6 +162,7 @@ pub(crate) fn read_wide(
         notes,
         clock: None,
         middles: BTreeMap::new(),
+        odometry: None,
     })
 }
 

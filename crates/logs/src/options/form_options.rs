@@ -35,7 +35,8 @@ pub struct FormOptions {
     /// In a table with a row a stop and a column a node: what a cell holds if the node was not heard, 100 or -100,-200 for
     /// example. Then empty cells mean that nothing is known; the default is `empty`
     pub missing: Vec<Missing>,
-    /// In such a table: the columns that are nodes, by name or as AP*. The default is all that are not places or times
+    /// In such a table: the columns that are nodes, by name or as AP*. The default is all that are not places or times, and that have
+    /// no name of something else (floor, battery, temperature_c)
     pub node_columns: Vec<ColumnPattern>,
     /// Map fixed receivers that heard a moving transmitter: the path or the stops are those of the transmitter, and the nodes
     /// are the receivers, because the loss of a link is the same both ways. In packets the column `receiver` names them, in

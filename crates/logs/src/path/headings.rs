@@ -10,10 +10,16 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
+use crate::place::place_columns;
 use crate::time::instant;
 
 /// The columns of a heading that a file may have: radians and degrees.
 pub(crate) const COLUMNS: [&str; 2] = ["heading_rad", "heading_deg"];
+
+/// A note that the headings in `column` of the table `name` with paths are not used.
+pub(crate) fn unused_note(name: &str, column: &str) -> String {
+    format!("{name}: {column} is not used: on a path, headings only say where the tags on a robot are (tags.csv)")
+}
 
 /// The headings of each robot by its name, which is empty where robots have none, in the order of time (rad, counterclockwise from x).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +33,7 @@ impl PathHeadings {
     /// # Errors
     /// If it has no column of headings, or one is not a number.
     pub(crate) fn read(source: TableSource<'_>, written: &Written) -> Result<Self, RobotLogError> {
-        let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
+        let optional = [&instant::COLUMNS[..], &COLUMNS, &place_columns::COLUMNS, &["robot"]].concat();
         let known =
             KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored };
         let table = Table::open_known(source, known)?;
@@ -72,5 +78,60 @@ impl PathHeadings {
             (Some((_, only)), None) | (None, Some(&(_, only))) => Some(only),
             (None, None) => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::options::field_names::FieldNames;
+    use crate::test_kit::folder_of;
+    use crate::{ReadOptions, RobotLog, read};
+
+    const RANGES: (&str, &str) = ("ranges.csv", "t_s,node,range_m\n1,a,9\n4.5,a,5\n");
+    const TAGS: (&str, &str) = ("tags.csv", "tag,x_m,y_m\nfront,1,0\n");
+
+    fn log(files: &[(&str, &str)], options: &ReadOptions) -> RobotLog {
+        read(folder_of(files.iter().copied()).path(), options).unwrap()
+    }
+
+    fn places(log: &RobotLog) -> Vec<f64> {
+        log.log.ranges().iter().map(|range| range.position.x_m).collect()
+    }
+
+    /// The notes on headings.
+    fn told(log: &RobotLog) -> Vec<&str> {
+        log.notes.iter().map(String::as_str).filter(|note| note.contains("heading")).collect()
+    }
+
+    #[test]
+    fn headings_that_are_used_are_not_called_ignored_and_others_are_explained() {
+        let path = ("path.csv", "t_s,x_m,y_m,heading_rad,wheel\n0,0,0,0,1\n10,20,0,0,1\n");
+        let options = ReadOptions::default();
+        let used = log(&[path, RANGES, TAGS], &options);
+        assert_eq!((places(&used), told(&used)), (vec![3.0, 10.0], vec![]));
+        assert!(used.notes.contains(&"path.csv: ignored columns: `wheel`".to_owned()), "{:?}", used.notes);
+        let unused = log(&[path, RANGES], &options);
+        assert_eq!(places(&unused), [2.0, 9.0]);
+        let expected = "path.csv: heading_rad is not used: on a path, headings only say where the tags on a robot are (tags.csv)";
+        assert_eq!(told(&unused), [expected]);
+    }
+
+    #[test]
+    fn headings_and_places_have_the_names_of_the_user() {
+        let mut options = ReadOptions::default();
+        options.form.path_fields = Some(FieldNames::parse_places("x_m=east,heading_deg=yaw").unwrap());
+        let path = ("path.csv", "t_s,east,y_m,yaw\n0,0,0,180\n10,20,0,180\n");
+        let found = log(&[path, RANGES, TAGS], &options);
+        assert!(
+            places(&found).iter().zip([1.0, 8.0]).all(|(found, known)| (found - known).abs() < 1e-9),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn columns_that_look_like_headings_do_no_harm() {
+        let path = ("path.csv", "t_s,x_m,y_m,heading\n0,0,0,0\n10,20,0,0\n");
+        let found = log(&[path, RANGES], &ReadOptions::default());
+        assert!(found.notes.contains(&"path.csv: ignored columns: `heading`".to_owned()), "{:?}", found.notes);
     }
 }

@@ -1,5 +1,6 @@
 //! `path.csv`: where robots were over time.
 
+use super::headings;
 use super::paths::Paths;
 use super::robot_path::{Path, Pose};
 use crate::csv::header::{KnownColumns, Others};
@@ -14,22 +15,27 @@ use crate::time::instant;
 use sextant_recording::RobotNames;
 
 /// Reads the paths in a table: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or as it
-/// is `written`. If `skips_no_fix`, rows without a fix are left out.
+/// is `written`. Headings are read for themselves ([`PathHeadings`](headings::PathHeadings)). If `skips_no_fix`, rows without a fix
+/// are left out.
 pub(crate) fn read<'a>(
     source: impl Into<TableSource<'a>>,
     written: &Written,
     skips_no_fix: bool,
     notes: &mut Vec<String>,
 ) -> Result<Paths, RobotLogError> {
+    // Others than these two are not taken for misspelt headings, which few paths need.
+    let named = headings::COLUMNS.into_iter().filter(|key| written.names.name(key).is_some());
     let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
+    let optional: Vec<&str> = optional.into_iter().chain(named).collect();
     let table = Table::open_known(
         source,
         KnownColumns { required: &[], optional: &optional, names: &written.names, others: Others::Ignored },
     )?;
-    notes.extend(table.notes());
+    notes.extend(table.notes_besides(&headings::COLUMNS));
     let time = Times::of(&table, written.time_zone, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;
     let robot = table.column("robot");
+    let headings = headings::COLUMNS.into_iter().find(|name| table.column(name).exists());
     let mut robots = RobotNames::default();
     let mut plane = None;
     // The poses of each robot, and where their rows begin.
@@ -69,5 +75,5 @@ pub(crate) fn read<'a>(
         })
     };
     let paths = poses.into_iter().map(path_of).collect::<Result<_, _>>()?;
-    Ok(Paths { paths, robots, is_named: robot.exists(), plane })
+    Ok(Paths { paths, robots, is_named: robot.exists(), plane, headings })
 }

@@ -14,11 +14,13 @@ pub(crate) struct Paths {
     pub(crate) is_named: bool,
     /// The plane of the places, if they are given by latitude and longitude.
     pub(crate) plane: Option<LocalPlane>,
+    /// The column with the headings of the robots, if the file has one.
+    pub(crate) headings: Option<&'static str>,
 }
 
 impl Paths {
     /// The path of one robot without a name.
     pub(crate) fn of_one(path: Path, plane: Option<LocalPlane>) -> Self {
-        Self { paths: vec![path], robots: RobotNames::default(), is_named: false, plane }
+        Self { paths: vec![path], robots: RobotNames::default(), is_named: false, plane, headings: None }
     }
 }

@@ -6,6 +6,7 @@ use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
 use crate::error::path_error::PathError;
+use crate::median::{median, median_by};
 
 /// Where a robot was at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,11 +59,7 @@ impl Path {
             .map(|pair| (pair[0].position.distance_m(pair[1].position), pair[1].time.saturating_since(pair[0].time)));
         let (mut lengths_m, mut times): (Vec<f64>, Vec<Duration>) =
             legs.filter(|(length_m, _)| *length_m > Self::STANDSTILL_M).unzip();
-        let middle = lengths_m.len() / 2;
-        (!lengths_m.is_empty()).then(|| {
-            let length_m = *lengths_m.select_nth_unstable_by(middle, f64::total_cmp).1;
-            (length_m, *times.select_nth_unstable(middle).1)
-        })
+        median(&mut lengths_m).zip(median_by(&mut times, Ord::cmp))
     }
 
     /// The path through `poses`.
@@ -181,8 +178,7 @@ pub(crate) fn between(from: SimTime, to: SimTime, time: SimTime) -> f64 {
 fn gaps(poses: &[Pose]) -> Vec<usize> {
     let span = |pair: &[Pose]| pair[1].time.saturating_since(pair[0].time);
     let mut spans: Vec<Duration> = poses.windows(2).map(span).collect();
-    let middle = spans.len() / 2;
-    let usual = *spans.select_nth_unstable(middle).1;
+    let Some(usual) = median_by(&mut spans, Ord::cmp) else { return Vec::new() };
     let longest = Path::GAP.max(usual.saturating_mul(10));
     let is_gap = |pair: &[Pose]| {
         let moved_m = pair[0].position.distance_m(pair[1].position);

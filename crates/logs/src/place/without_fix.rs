@@ -8,6 +8,7 @@ use sextant_channel::{Position, Stop};
 use sextant_kernel::SimTime;
 
 use super::distance::plane_m;
+use crate::median::median;
 
 /// Where a robot was at a time.
 pub(crate) type TimedPlace = (SimTime, Position);
@@ -52,9 +53,7 @@ fn usual_speed(robots: &[Vec<TimedPlace>]) -> Option<f64> {
     let legs = robots.iter().flat_map(|places| places.windows(2));
     let legs = legs.filter(|leg| leg.iter().all(|(_, place)| !is_origin(*place)));
     let mut speeds: Vec<f64> = legs.filter_map(speed).filter(|speed| *speed > 0.0).collect();
-    let middle = speeds.len() / 2;
-    speeds.sort_by(f64::total_cmp);
-    speeds.get(middle).copied()
+    median(&mut speeds)
 }
 
 /// The speed of a leg (m/s); `None` if no time passed.

@@ -15,6 +15,7 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
+use crate::median::median_by;
 use crate::path::robot_path::Path;
 use crate::time::instant;
 
@@ -194,8 +195,7 @@ fn repeated(name: &str, samples: &[RangeSample]) -> Option<String> {
         *counts.entry(sample.range_m.to_bits()).or_default() += 1;
     }
     let mut usual: Vec<usize> = counts.values().copied().collect();
-    usual.sort_unstable();
-    let usual = *usual.get(usual.len() / 2)?;
+    let usual = median_by(&mut usual, Ord::cmp)?;
     let (bits, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
     let share = count as f64 / samples.len() as f64;
     // Devices with coarse steps repeat values as well, in all places.

@@ -2,6 +2,8 @@
 
 use sextant_channel::{Bounds, RangeSample};
 
+use crate::median::median;
+
 /// The columns of ranges, and a metre in their units. Light takes nanoseconds one way.
 pub(crate) const RANGES: [(&str, f64); 5] = [
     ("range_m", 1.0),
@@ -25,8 +27,7 @@ pub(crate) fn note(name: &str, samples: &[RangeSample]) -> Option<String> {
     let size = Bounds::of(samples.iter().map(|sample| sample.position))?;
     let way_m = size.min.distance_m(size.max);
     let mut ranges: Vec<f64> = samples.iter().map(|sample| sample.range_m.abs()).collect();
-    let middle = ranges.len() / 2;
-    let median_m = *ranges.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median_m = median(&mut ranges)?;
     let told = format!("{name}: half of the ranges are above {median_m:.3} m, and the way is {way_m:.1} m across");
     if median_m > TOO_LONG.0 * way_m.max(TOO_LONG.1) {
         Some(format!("{told}: if they are in millimetres or centimetres, name the column range_mm or range_cm"))

@@ -2,6 +2,7 @@
 
 pub(crate) mod antenna_file;
 mod heading;
+mod no_nodes;
 pub(crate) mod pair_notes;
 pub(crate) mod pairs;
 pub(crate) mod receptions;

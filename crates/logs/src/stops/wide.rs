@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use sextant_channel::{Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::no_nodes::is_no_node;
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::table::{Table, TableRow};
 use crate::csv::table_source::TableSource;
@@ -22,7 +23,7 @@ use crate::place::local_plane::LocalPlane;
 use crate::place::place_columns::{COLUMNS, Frame, Places};
 use crate::place::without_fix::{is_origin, places_of, without_fix_m};
 use crate::time::instant;
-use sextant_kernel::text::{choices, counted};
+use sextant_kernel::text::{choices, counted, listed};
 use sextant_recording::RobotNames;
 
 /// Largest strength that a cell may hold (dBm); more is no power that was received.
@@ -164,7 +165,8 @@ pub(crate) fn read(
 /// # Errors
 /// If that is so of all columns.
 fn strengthless(table: Table<'_>, form: &FormOptions) -> Result<BTreeSet<usize>, RobotLogError> {
-    let others: Vec<usize> = table.unknown().filter(|(_, name)| !name.is_empty()).map(|(at, _)| at).collect();
+    let may_be_node = |name: &str| !name.is_empty() && !is_no_node(name);
+    let others: Vec<usize> = table.unknown().filter(|(_, name)| may_be_node(name)).map(|(at, _)| at).collect();
     let (mut holding, mut negative, mut is_beyond) = (BTreeSet::new(), BTreeSet::new(), false);
     let head = table.rows(|row| {
         for &at in &others {
@@ -211,29 +213,30 @@ fn nodes(
         return Err(table.wrong_header(problem));
     }
     let is_node = |name: &str| patterns.is_empty() || patterns.iter().any(|pattern| pattern.holds(name));
+    let is_other = |name: &str| patterns.is_empty() && is_no_node(name);
+    let (by_name, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, name)| is_other(name));
     let (odd, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|(at, _)| strengthless.contains(at));
     let (nodes, ignored): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, name)| is_node(name));
-    let (Some((_, first)), Some((_, last))) = (nodes.first(), nodes.last()) else {
+    if nodes.is_empty() {
         return Err(table.wrong_header(
             "no column is a node: a wide table has places and a column for each node, and a path needs option `packets`",
         ));
-    };
+    }
     let file = table.name();
     let columns = counted(nodes.len(), "column");
-    notes.push(format!(
-        "{file}: {columns} from `{first}` to `{last}` hold the strengths of nodes (option `node_columns` chooses them)"
-    ));
-    if !odd.is_empty() {
-        let names: Vec<String> = odd.iter().map(|(_, name)| format!("`{name}`")).collect();
-        notes.push(format!(
-            "{file}: without a negative value, and so without strengths in dBm, no nodes are: {} (option `node_columns` \
-             chooses nodes)",
-            choices(&names)
-        ));
-    }
-    if !ignored.is_empty() {
-        let names: Vec<String> = ignored.iter().map(|(_, name)| format!("`{name}`")).collect();
-        notes.push(format!("{file}: ignored columns: {}", choices(&names)));
+    let quoted = |columns: &[(usize, &str)]| columns.iter().map(|(_, name)| format!("`{name}`")).collect::<Vec<_>>();
+    let taken = listed(&quoted(&nodes));
+    notes
+        .push(format!("{file}: {columns} with the strengths of nodes: {taken} (option `node_columns` chooses them)"));
+    let hint = " (option `node_columns` chooses nodes)";
+    for (left, why, hint) in [
+        (by_name, "by their names, no nodes are", hint),
+        (odd, "without a negative value, and so without strengths in dBm, no nodes are", hint),
+        (ignored, "ignored columns", ""),
+    ] {
+        if !left.is_empty() {
+            notes.push(format!("{file}: {why}: {}{hint}", choices(&quoted(&left))));
+        }
     }
     Ok(nodes.into_iter().map(|(at, name)| (at, name.to_owned())).unzip())
 }

@@ -26,6 +26,14 @@ pub enum FloorPlanError {
         /// The file.
         path: PathBuf,
     },
+    /// GeoJSON whose coordinates are no longitudes and latitudes of one building, or none near the log.
+    #[error("`{}`: {problem}; if its coordinates are lengths, option `unit` says their unit", path.display())]
+    NotDegrees {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
     /// The file cannot be read.
     #[error("cannot read `{}`: {why}", path.display())]
     Read {

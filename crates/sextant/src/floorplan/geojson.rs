@@ -23,7 +23,7 @@ const DEGREE_M: f64 = 111_131.7;
 pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
     let text = fs::read_to_string(path)
         .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
-    plan(&text, options).map_err(|problem| FloorPlanError::Content { path: path.to_owned(), problem })
+    plan(path, &text, options)
 }
 
 /// A line with the properties of its feature.
@@ -32,9 +32,16 @@ struct Line {
     properties: Value,
 }
 
-fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
+/// What a file has.
+struct Drawn {
+    root: Value,
+    lines: Vec<Line>,
+    /// Features that are neither lines nor areas.
+    others: usize,
+}
+
+fn drawn(text: &str) -> Result<Drawn, String> {
     let root: Value = serde_json::from_str(text).map_err(|why| format!("it is no JSON: {why}"))?;
-    let mut plan = FloorPlan::default();
     let mut lines = Vec::new();
     let mut others = 0;
     match root["type"].as_str() {
@@ -48,10 +55,20 @@ fn plan(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
         Some(_) => take(&root, &Value::Null, &mut lines, &mut others)?,
         None => return Err("it has no key `type`: it is no GeoJSON".to_owned()),
     }
+    Ok(Drawn { root, lines, others })
+}
+
+/// The plan in the text of the file `path`.
+fn plan(path: &Path, text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, FloorPlanError> {
+    let owned = || path.to_owned();
+    let Drawn { root, mut lines, others } =
+        drawn(text).map_err(|problem| FloorPlanError::Content { path: owned(), problem })?;
+    let mut plan = FloorPlan::default();
     if others > 0 {
         plan.notes.push(format!("{} are neither lines nor areas, and are left out", counted(others, "feature")));
     }
-    let (note, is_by_degrees) = to_metres(&mut lines, options, &root)?;
+    let (note, is_by_degrees) = to_metres(&mut lines, options, &root)
+        .map_err(|problem| FloorPlanError::NotDegrees { path: owned(), problem })?;
     plan.is_by_degrees = is_by_degrees;
     plan.notes.push(note);
     for (number, Line { mut points, properties }) in lines.into_iter().enumerate() {
@@ -108,6 +125,9 @@ fn take(geometry: &Value, properties: &Value, lines: &mut Vec<Line>, others: &mu
 
 /// Turns coordinates into metres, degrees into the plane of the options or from their middle on. Says what they were, and whether they
 /// were degrees.
+///
+/// # Errors
+/// If they cannot be degrees of this place.
 fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Result<(String, bool), String> {
     let [x_m, y_m] = options.origin_m.unwrap_or_default();
     let points = || lines.iter().flat_map(|line| line.points.iter());
@@ -146,8 +166,7 @@ fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Re
         ([DEGREE_M * libm::cos(latitude.to_radians()), DEGREE_M], [longitude, latitude], note)
     } else {
         return Err(format!(
-            "its coordinates are {width:.3} by {height:.3} degrees (RFC 7946), too large for a building; if they are metres, say so \
-             with option `unit`; otherwise keep the building alone"
+            "its coordinates are {width:.3} by {height:.3} degrees (RFC 7946), too large for a building"
         ));
     };
     for point in lines.iter_mut().flat_map(|line| line.points.iter_mut()) {
@@ -160,6 +179,10 @@ fn to_metres(lines: &mut [Line], options: &FloorPlanOptions, root: &Value) -> Re
 mod tests {
     use super::*;
 
+    fn read_text(text: &str, options: &FloorPlanOptions) -> Result<FloorPlan, String> {
+        plan(Path::new("plan.geojson"), text, options).map_err(|why| why.to_string())
+    }
+
     #[test]
     fn lines_and_areas_are_walls() {
         let text = r#"{"type": "FeatureCollection", "features": [
@@ -169,10 +192,10 @@ mod tests {
              "geometry": {"type": "Polygon", "coordinates": [[[0, 2], [12, 2], [12, 8], [0, 8], [0, 2]]]}},
             {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [1, 1]}}]}"#;
         // Twelve degrees are no building.
-        let why = plan(text, &FloorPlanOptions::default()).unwrap_err();
-        assert!(why.contains("12.000 by 8.000 degrees") && why.contains("`unit`"), "{why}");
+        let why = read_text(text, &FloorPlanOptions::default()).unwrap_err();
+        assert!(why.contains("12.000 by 8.000 degrees") && why.contains("option `unit` says their unit"), "{why}");
         let in_metres = FloorPlanOptions { unit: Some(LengthUnit::Metre), ..FloorPlanOptions::default() };
-        let plan = plan(text, &in_metres).unwrap();
+        let plan = read_text(text, &in_metres).unwrap();
         assert_eq!(plan.walls.len(), 2);
         assert_eq!(
             (plan.walls[0].name.as_deref(), plan.walls[0].material.as_deref()),
@@ -193,7 +216,7 @@ mod tests {
               [[2, 2], [2.3, 2], [2.3, 2.3], [2, 2.3], [2, 2]]]}},
             {"type": "Feature", "properties": {"name": "shaft", "material": "metal", "bottom_m": 1, "height_m": 2},
              "geometry": {"type": "LineString", "coordinates": [[5, 5], [5.1, 5], [5.1, 5.05], [5, 5]]}}]}"#;
-        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        let plan = read_text(text, &FloorPlanOptions::default()).unwrap();
         assert!(plan.notes.iter().any(|note| note.contains("EPSG::25832")), "{:?}", plan.notes);
         assert_eq!((plan.walls.len(), plan.blocks.len()), (1, 2), "{plan:?}");
         let shaft = sextant_channel::Obstacle::try_from(plan.blocks[1].clone()).unwrap();
@@ -205,24 +228,28 @@ mod tests {
     #[test]
     fn degrees_become_metres_round_their_middle() {
         let text = r#"{"type": "LineString", "coordinates": [[8.0, 48.0], [8.001, 48.0]]}"#;
-        let plan = plan(text, &FloorPlanOptions::default()).unwrap();
+        let plan = read_text(text, &FloorPlanOptions::default()).unwrap();
         assert!((plan.length_m() - 111.13 * 48.0_f64.to_radians().cos()).abs() < 0.1, "{}", plan.length_m());
         assert!((plan.walls[0].points_m[0][0] + plan.walls[0].points_m[1][0]).abs() < 2e-3);
         let in_plane =
             FloorPlanOptions { plane: Some(LocalPlane::new(48.0, 8.0, 300.0)), ..FloorPlanOptions::default() };
-        let plan = super::plan(text, &in_plane).unwrap();
+        let plan = read_text(text, &in_plane).unwrap();
         let [[x_m, y_m], [end_m, _]] = plan.walls[0].points_m[..] else { panic!("two corners") };
         assert!(x_m.abs() < 2e-3 && y_m.abs() < 2e-3 && (end_m - 74.6).abs() < 0.2, "{:?}", plan.walls[0]);
         let elsewhere =
             FloorPlanOptions { plane: Some(LocalPlane::new(-33.0, 18.0, 0.0)), ..FloorPlanOptions::default() };
-        assert!(super::plan(text, &elsewhere).unwrap_err().contains("far from the places of the log"));
+        assert!(
+            read_text(text, &elsewhere)
+                .unwrap_err()
+                .contains("far from the places of the log; if its coordinates are lengths")
+        );
         for (text, problem) in [
             ("{", "no JSON"),
             ("{}", "no key `type`"),
             (r#"{"type": "FeatureCollection"}"#, "no list `features`"),
             (r#"{"type": "LineString", "coordinates": [["a", 1]]}"#, "not two numbers"),
         ] {
-            let found = super::plan(text, &FloorPlanOptions::default()).unwrap_err();
+            let found = read_text(text, &FloorPlanOptions::default()).unwrap_err();
             assert!(found.contains(problem), "{found}");
         }
     }

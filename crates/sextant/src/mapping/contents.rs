@@ -118,7 +118,10 @@ impl Contents {
             strengths: strengths.count(),
             strengths_dbm: range,
             sectors: SectorContents::of(log),
-            notes: read.notes.iter().cloned().chain(notes::of_log(log, &LogCounts::of(log))).collect(),
+            notes: (read.notes.iter().cloned())
+                .chain(read.odometry.as_deref().map(notes::of_odometry))
+                .chain(notes::of_log(log, &LogCounts::of(log)))
+                .collect(),
             findings: read.findings.clone(),
         }
     }

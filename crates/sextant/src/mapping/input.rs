@@ -8,7 +8,7 @@ use sextant_kernel::{Files, NodeId, RobotId, Seed, SettingError, SimTime, Watch}
 use sextant_mapper::{EstimatedPath, LateClock, PathError, PlacePrior, estimate_path};
 
 use super::error::MapLogError;
-use crate::floorplan::{self, FloorPlanError, FloorPlanOptions};
+use crate::floorplan::{self, FloorPlanError, FloorPlanOptions, LengthUnit};
 use crate::measure::Dimensions;
 use crate::scenario::{AlgorithmName, MapSettings, RecordedScenario, ScenarioErrors};
 use sextant_kernel::text::{counted, listed};
@@ -47,6 +47,8 @@ pub struct Input {
     pub clock: Option<ClockOffset>,
     /// The middle of the time of each stop that is a part of a path, by its robot and its start.
     pub middles: BTreeMap<(RobotId, SimTime), SimTime>,
+    /// The name of the file whose odometry is the path of the log, if it is one.
+    pub odometry: Option<String>,
     /// What stands on the floor, if the user has a plan of it: maps that know obstacles know these, and figures show them.
     pub floor: Option<ObstacleField>,
     /// Notes on the log for the user.
@@ -93,9 +95,9 @@ impl Input {
     /// # Ok::<(), sextant_logs::RobotLogError>(())
     /// ```
     #[must_use]
-    pub fn of_log(RobotLog { log, plane, mut notes, findings, clock, middles }: RobotLog) -> Self {
+    pub fn of_log(RobotLog { log, plane, mut notes, findings, clock, middles, odometry }: RobotLog) -> Self {
         notes.extend(findings.iter().map(ToString::to_string));
-        Self { clock, middles, ..Self::of_robot(log, plane, notes) }
+        Self { clock, middles, odometry, ..Self::of_robot(log, plane, notes) }
     }
 
     /// The logs of the networks that robots surveyed, the first one to map.
@@ -121,6 +123,7 @@ impl Input {
             believed_log: None,
             clock: None,
             middles: BTreeMap::new(),
+            odometry: None,
             floor: None,
             notes,
             plane,
@@ -152,7 +155,7 @@ impl Input {
             );
         }
         if run.leaves_out_ranges {
-            notes.push("measured ranges are not used, because the log is mapped part by part".to_owned());
+            notes.push(robot_log::UNUSED_RANGES.to_owned());
         }
         if !run.metadata.contains_key(ORIGIN_METADATA) {
             notes.push("the recording does not name its scenario".to_owned());
@@ -175,6 +178,7 @@ impl Input {
             believed_log: None,
             clock: None,
             middles: BTreeMap::new(),
+            odometry: None,
             floor: None,
             notes,
             plane: None,
@@ -208,12 +212,14 @@ impl Input {
         MapSettings::new(scenario, algorithm, profile, network, set)
     }
 
-    /// Lays the floor plan of a file under the maps, in the frame of the log. What is odd in it is noted.
+    /// Lays the floor plan of a file under the maps, in the frame of the log. Its lengths are in this unit, or in the one that the file
+    /// says. What is odd in it is noted.
     ///
     /// # Errors
     /// If the plan cannot be read, or a wall is invalid.
-    pub fn lay(&mut self, plan: &Path) -> Result<(), FloorPlanError> {
-        let read = floorplan::read(plan, &FloorPlanOptions { plane: self.plane, ..FloorPlanOptions::default() })?;
+    pub fn lay(&mut self, plan: &Path, unit: Option<LengthUnit>) -> Result<(), FloorPlanError> {
+        let options = FloorPlanOptions { plane: self.plane, unit, ..FloorPlanOptions::default() };
+        let read = floorplan::read(plan, &options)?;
         if read.is_by_degrees && self.plane.is_none() {
             let problem = "it is by longitude and latitude, and the log is not: where it lies in the log is not known; convert it with \
                            `sextant floorplan`, which takes an origin"

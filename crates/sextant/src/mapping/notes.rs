@@ -41,6 +41,11 @@ pub(super) fn of_log(log: &ReceptionLog, counts: &LogCounts) -> Vec<String> {
     notes
 }
 
+/// A note on a log whose path is the odometry in the file `name`, as it is.
+pub(super) fn of_odometry(name: &str) -> String {
+    format!("{name} is the path, and odometry drifts: `sextant map` with option `estimate_path` corrects it")
+}
+
 /// A note if nodes were heard and ranges were measured, but to no node that was heard.
 fn other_names(log: &ReceptionLog) -> Option<String> {
     let is_heard = |node: NodeId| log.of(node).iter().any(|entry| entry.received > 0);

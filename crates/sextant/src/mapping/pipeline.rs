@@ -87,6 +87,9 @@ impl<'a> Stages<'a, '_> {
         let Self { settings, out, start, watch, counts } = self;
         let truth = input.true_places();
         let dimensions = input.true_dimensions;
+        if let (Some(name), None) = (&input.odometry, &input.estimated_path) {
+            input.notes.push(notes::of_odometry(name));
+        }
         input.notes.extend(notes::of_log(input.log(), &counts));
         let map_start = Stopwatch::start();
         let mut summaries: Vec<MapSummary> = Vec::new();

@@ -8,7 +8,10 @@ use sextant_recording::output::store::NumberRange;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TilesError {
     /// The log is of a form that is read only as a whole.
-    #[error("`{}` cannot be read tile by tile; logs that can: the recording of a run, and a folder with stops.csv and receptions.csv", .path.display())]
+    #[error(
+        "`{}` cannot be read tile by tile: tiles are made of receptions; logs that can: the recording of a run, and a folder with \
+         stops.csv and receptions.csv", .path.display()
+    )]
     Form {
         /// The log.
         path: PathBuf,

@@ -6,11 +6,13 @@ use std::path::Path;
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, Source, TagReadings, TagTables};
-use sextant_mapper::{DoubtedReceiver, PositionError, Track, TrackMotion, TrackSettings, track};
+use sextant_mapper::{DoubtedReceiver, PositionError, RangeFault, Track, TrackMotion, TrackSettings, track};
 use sextant_recording as recording;
 
 use super::error::MapLogError;
-use crate::summary::{DoubtedSummary, ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, peak_rss_bytes};
+use crate::summary::{
+    DoubtedSummary, ErrorSummary, Stopwatch, Summary, Timing, TrackSummary, UnexplainedSummary, peak_rss_bytes,
+};
 
 /// What a track is made from.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +86,23 @@ pub fn tracks(
             others_m,
         });
         let doubted = doubted.collect();
-        summaries.push(TrackSummary { doubted, ..summary(&tag, &found, heard.len(), job.truth) });
+        let names = |receivers: &[usize]| receivers.iter().map(|&receiver| name(receiver)).collect::<Vec<_>>();
+        let (mut unit, mut exchanged, mut unexplained) = (None, Vec::new(), None);
+        match &found.fault {
+            Some(RangeFault::Unit(other)) => unit = Some(other.name.to_owned()),
+            Some(RangeFault::Exchanged(pairs)) => exchanged = pairs.iter().map(|pair| names(pair)).collect(),
+            Some(RangeFault::Unexplained { usually_m, receivers }) => {
+                unexplained = Some(UnexplainedSummary { usually_m: *usually_m, receivers: names(receivers) });
+            }
+            None => {}
+        }
+        summaries.push(TrackSummary {
+            doubted,
+            unit,
+            exchanged,
+            unexplained,
+            ..summary(&tag, &found, heard.len(), job.truth)
+        });
         tracks.push((tag, found));
     }
     notes.extend(job.truth.and_then(|truth| apart(truth, &tracks)));
@@ -141,7 +159,8 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         measured_strengths: fit.measured_strengths,
         receivers,
         duration_s: poses.first().zip(poses.last()).map_or(0.0, |(first, last)| span(first.time, last.time)),
-        length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum(),
+        // Adding 0 makes the -0 of a sum of nothing a 0.
+        length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum::<f64>() + 0.0,
         height_m: fit.height_m,
         is_among_receivers: fit.is_among_receivers,
         may_be_mirrored: fit.may_be_mirrored,
@@ -158,7 +177,9 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         odometry_drift_rad_per_m: odometry.map(|(_, drift)| drift),
         settled: fit.settled,
         doubted: Vec::new(),
-        unit: track.unit.map(|unit| unit.name.to_owned()),
+        unit: None,
+        exchanged: Vec::new(),
+        unexplained: None,
         is_beyond_prior: fit.of_ranges.is_some_and(|law| law.is_beyond_prior()),
         position_rmse_m: (count > 0.0).then(|| (squares / count).sqrt()),
         in_region_95: (count > 0.0).then(|| held / count),
@@ -194,6 +215,18 @@ mod tests {
         let pose = |second| Pose { time: at(second), position: receivers[0] };
         let truth = robot_log::Path::new(vec![pose(truth_from), pose(truth_from + 30)]).unwrap();
         apart(&truth, &[("tag".to_owned(), found)]).into_iter().collect()
+    }
+
+    #[test]
+    fn a_tag_at_one_place_has_gone_0_m_and_not_less() {
+        let receivers = [Position::new(0.0, 0.0, 0.0), Position::new(10.0, 0.0, 0.0), Position::new(0.0, 8.0, 0.0)];
+        let readings: Vec<TagReading> = [5.0, 7.2, 5.1]
+            .iter()
+            .enumerate()
+            .map(|(number, &range_m)| TagReading::range(number, at(1), range_m))
+            .collect();
+        let found = track(&receivers, &readings, TrackSettings::default(), &Unwatched).unwrap();
+        assert_eq!(format!("{:.0}", summary("tag", &found, 3, None).length_m), "0");
     }
 
     #[test]

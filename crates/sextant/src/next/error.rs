@@ -16,6 +16,15 @@ pub enum NextError {
     /// The log or its map does not tell what further stops would bring.
     #[error(transparent)]
     Outlook(OutlookError),
+    /// The map is made of ranges.
+    #[error(
+        "where to stop next follows from the distances over which packets arrive, and {}",
+        if *has_packets { "a map that is made of ranges does not tell these" } else { "the log has ranges and no packets" }
+    )]
+    Ranges {
+        /// Whether the log has packets beside them.
+        has_packets: bool,
+    },
     /// There is no way.
     #[error(transparent)]
     Ground(GroundError),
@@ -75,6 +84,12 @@ impl NextError {
             Self::Outlook(
                 OutlookError::NoCovariance { .. } | OutlookError::NoLaw { .. } | OutlookError::Relative { .. },
             ) => Some("`auto`, `link-model` and `ml-tm` tell what is needed"),
+            Self::Ranges { has_packets: true } => {
+                Some("an algorithm that maps the packets of the log tells them: `link-model` or `ml-tm`")
+            }
+            Self::Ranges { has_packets: false } => Some(
+                "put the packets of the same nodes beside the ranges, and choose an algorithm that maps packets: `link-model`",
+            ),
             Self::NobodyDrives { .. } => Some(
                 "fixed receivers cannot be told where to drive; if they heard a transmitter that drove, map the log reciprocally",
             ),

@@ -12,7 +12,7 @@ use sextant_channel::{Bounds, ObstacleField, Position, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{RobotId, Watch};
 use sextant_logs::LocalPlane;
-use sextant_mapper::{Area, Outlook};
+use sextant_mapper::{Area, Outlook, OutlookError, RangeFit};
 use sextant_scenario::{AlgorithmName, MapSettings, ScenarioErrors};
 
 use sextant_apps::next_stops::{Ground, PlanEnd, StopBudget, Terrain, plan};
@@ -87,13 +87,21 @@ pub fn next_stops(
 ) -> Result<NextStops, NextError> {
     next.check()?;
     let robot = robot(input, next)?;
+    let has_packets = input.log().receptions().iter().any(|reception| reception.received > 0);
+    if !has_packets && !input.log().ranges().is_empty() {
+        return Err(NextError::Ranges { has_packets });
+    }
     let (summary, maps) = mapping::map(input, settings, None, Stopwatch::start(), watch)?;
     watch.check()?;
     let Some(computed) = maps.first() else { return Err(NextError::NoMap) };
     let log = input.log();
     let profile = computed.named.mapper.profile();
     let outlook = |open: &[Position]| Outlook::of(log, &computed.map, computed.learned.as_ref(), profile, open);
-    let reach_m = outlook(&[])?.reach_m();
+    let is_of_ranges = computed.learned.as_ref().is_some_and(|learned| learned.get::<RangeFit>().is_some());
+    let reach_m = match outlook(&[]) {
+        Err(OutlookError::NoLaw { .. }) if is_of_ranges => return Err(NextError::Ranges { has_packets }),
+        outlook => outlook?.reach_m(),
+    };
     let nothing = ObstacleField::default();
     let obstacles = input.floor.as_ref().unwrap_or(&nothing);
     let mut notes = summary.notes;

@@ -56,4 +56,4 @@ pub use rpl::{FragmentsSummary, HealingSummary, RplSummary};
 pub use sensing::{SensingSummary, SensorErrorCounts};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};
-pub use tracks::{DoubtedSummary, TrackSummary};
+pub use tracks::{DoubtedSummary, TrackSummary, UnexplainedSummary};

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use serde::Serialize;
+use sextant_kernel::text::listed;
 
 use super::map::ErrorSummary;
 
@@ -74,6 +75,12 @@ pub struct TrackSummary {
     /// The unit in which the ranges fit clearly better than as metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    /// Receivers in each other's place: the pair with which the ranges fit clearly better, and others that fit about as well.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exchanged: Vec<Vec<String>>,
+    /// Errors of ranges that are too large, and that nothing explains.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unexplained: Option<UnexplainedSummary>,
     /// Whether bias or scale of the ranges is far beyond what devices have.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_beyond_prior: bool,
@@ -97,6 +104,15 @@ pub struct DoubtedSummary {
     pub off_m: f64,
     /// By how much those of the usual receiver are (m).
     pub others_m: f64,
+}
+
+/// Errors of ranges that are too large, and that nothing explains.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnexplainedSummary {
+    /// By how much the ranges are usually off (m).
+    pub usually_m: f64,
+    /// The receivers whose ranges disagree most with the rest.
+    pub receivers: Vec<String>,
 }
 
 /// Writes the tracks for people.
@@ -152,6 +168,16 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
                 "{}: warning: the ranges fit clearly better as {unit} than as metres, so the track is not reliable",
                 track.tag
             )?;
+        } else if !track.exchanged.is_empty() {
+            let pairs: Vec<String> =
+                track.exchanged.iter().map(|pair| format!("`{}`", pair.join("` and `"))).collect();
+            writeln!(
+                out,
+                "{}: warning: the ranges fit clearly better with {} in each other's place: their names or known places may be \
+                 exchanged; the track is not reliable",
+                track.tag,
+                pairs.join(", or ")
+            )?;
         } else if track.is_beyond_prior {
             writeln!(
                 out,
@@ -160,7 +186,21 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
                 track.tag
             )?;
         }
-        for DoubtedSummary { receiver, off_m, others_m } in &track.doubted {
+        if let Some(UnexplainedSummary { usually_m, receivers }) = &track.unexplained {
+            let most = match receivers.as_slice() {
+                [] => String::new(),
+                receivers => format!("; those of {} disagree most with the rest", listed(receivers)),
+            };
+            writeln!(
+                out,
+                "{}: warning: the ranges are usually {usually_m:.2} m off, and neither another unit nor two exchanged receivers \
+                 explain it{most}: check names and known places; the track is not reliable",
+                track.tag
+            )?;
+        }
+        let is_exchanged = |receiver: &String| track.exchanged.iter().flatten().any(|name| name == receiver);
+        let doubted = track.doubted.iter().filter(|doubted| !is_exchanged(&doubted.receiver));
+        for DoubtedSummary { receiver, off_m, others_m } in doubted {
             writeln!(
                 out,
                 "{}: warning: the ranges of `{receiver}` are usually {off_m:.2} m off, those of the others {others_m:.2} m: its known \

@@ -86,6 +86,9 @@ pub(crate) struct Arguments {
     /// log. Figures show them, and maps that know obstacles know these
     #[arg(long, value_name = "PLAN")]
     pub(crate) floorplan: Option<PathBuf>,
+    /// The unit of the floor plan.
+    #[command(flatten)]
+    pub(crate) plan_unit: floorplan::PlanUnit,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern. The concern is why a
     /// position is unreliable: at-edge, unsettled, no-evidence, two-places or too-few. The entries of the covariance follow, if there is
     /// one, and lat,lon, if the log has them. A name that ends in .geojson gets GeoJSON. Each further map is written
@@ -299,7 +302,7 @@ impl Arguments {
         }
         input.prior =
             mapping::place_prior(self.area.as_deref(), self.near_stops, input.plane.as_ref(), &settings.maps)?;
-        floorplan::lay(self.floorplan.as_deref(), input)
+        floorplan::lay(self.floorplan.as_deref(), &self.plan_unit, input)
     }
 
     /// The files that are read.

@@ -45,7 +45,8 @@ pub(crate) struct FormFlags {
     /// example. Then empty cells mean that nothing is known; the default is `empty`
     #[arg(long, value_name = "VALUES", value_delimiter = ',', allow_hyphen_values = true)]
     pub(crate) missing: Vec<Missing>,
-    /// In such a table: the columns that are nodes, by name or as AP*. The default is all that are not places or times
+    /// In such a table: the columns that are nodes, by name or as AP*. The default is all that are not places or
+    /// times, and that have no name of something else (floor, battery, temperature_c)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) node_columns: Vec<ColumnPattern>,
     /// Map fixed receivers that heard a moving transmitter. The path or the stops are those of the transmitter, and

@@ -18,7 +18,7 @@ use crate::log::form::{self, Form, PathKind};
 use crate::log::layout;
 use crate::log::recognition;
 use crate::options::read_options::ReadOptions;
-use crate::path::headings::PathHeadings;
+use crate::path::headings::{self, PathHeadings};
 use crate::path::path_file;
 use crate::path::robot_path::Path;
 use crate::path::tum;
@@ -214,7 +214,10 @@ fn read_odometry(
     }
     let levers = match tags {
         Some(tags) => Some(Levers { tags, headings: PathHeadings::read(source.clone(), &written)?.of_one() }),
-        None => None,
+        None => {
+            notes.extend(paths.headings.map(|column| headings::unused_note(&name, column)));
+            None
+        }
     };
     Ok(Some(Odometry { path, name, levers }))
 }

@@ -9,6 +9,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use super::{Gatherer, MOST_SILENT_PAIRS, RobotTrack, silent};
 use crate::doctor::{self, ClockDrift, ClockOffset};
 use crate::error::robot_log_error::RobotLogError;
+use crate::median::median_by;
 use crate::packets::cover;
 use crate::packets::gathered::Gathered;
 use crate::packets::heard::{HeardPackets, reception};
@@ -89,7 +90,15 @@ impl Gatherer {
         let of_paths = doctor::of_paths(self.tracks.iter().map(|track| &track.path), &log, self.plane.as_ref());
         self.findings.splice(0..0, of_paths);
         self.findings.extend(doctor::listening::finding(&log, usual));
-        Ok(RobotLog { log, plane: self.plane, notes: self.notes, findings: self.findings, clock, middles })
+        Ok(RobotLog {
+            log,
+            plane: self.plane,
+            notes: self.notes,
+            findings: self.findings,
+            clock,
+            middles,
+            odometry: None,
+        })
     }
 
     /// The middle of the time of each stop, by its robot and its start.
@@ -176,6 +185,5 @@ impl Gatherer {
 /// The median length of `slots`.
 fn usual_stop<'a>(slots: impl Iterator<Item = &'a Slot>) -> Option<Duration> {
     let mut spans: Vec<Duration> = slots.map(|slot| slot.end.saturating_since(slot.start)).collect();
-    let middle = spans.len() / 2;
-    (!spans.is_empty()).then(|| *spans.select_nth_unstable(middle).1)
+    median_by(&mut spans, Ord::cmp)
 }

@@ -4,6 +4,7 @@ mod check;
 mod driven;
 mod epochs;
 mod exponent;
+mod moments;
 mod motion;
 mod outcome;
 mod problem;
@@ -24,13 +25,16 @@ use super::odometry::{FACTORS, Odometry};
 use crate::error::MapError;
 use crate::numerics::median;
 use crate::range_ml::error_law;
+use check::Check;
 use epochs::Epochs;
 use motion::{FreeMotion, Motion};
 use outcome::tracked;
 use problem::{Border, Calibration, TrackPoint, TrackProblem, path_loss};
 pub use reading::{OnRobot, TagReading, TagValue};
 use regions::is_among;
-pub use report::{DoubtedReceiver, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+pub use report::{
+    DoubtedReceiver, RangeFault, Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw,
+};
 use side::Line;
 use strengths::{EXPONENT, StrengthErrors};
 
@@ -76,8 +80,8 @@ pub fn track(
     watch: &dyn Watch,
 ) -> Result<Track, MapError> {
     let found = tracked_as_given(receivers, readings, settings, watch)?;
-    let unit = check::other_unit(&found, receivers, readings, settings, watch)?;
-    Ok(Track { unit, ..found })
+    let fault = Check { found: &found, receivers, readings, settings, watch }.fault()?;
+    Ok(Track { fault, ..found })
 }
 
 /// The track, with ranges taken as metres.
@@ -114,8 +118,9 @@ fn tracked_as_given(
     };
     let epochs = Epochs::of(readings);
     let height_m = height_m(receivers, settings.height_m);
-    if heard.len() < if is_driven { 2 } else { 3 } {
-        return Err(missing);
+    let needed = if is_driven { 2 } else { 3 };
+    if heard.len() < needed {
+        return Err(MapError::TooFewReceivers { found: heard.len(), needed });
     }
     let start = match epochs.start(receivers, height_m[0], line.as_ref()) {
         Some(start) => start,

@@ -64,7 +64,7 @@ pub(super) fn tracked(
     });
     Track {
         doubted: super::check::doubted(problem, &top.point),
-        unit: None,
+        fault: None,
         poses,
         fit: TrackFit {
             ranges,

@@ -36,8 +36,25 @@ pub struct Track {
     pub fit: TrackFit,
     /// Receivers whose ranges fit the track clearly worse than those of the others.
     pub doubted: Vec<DoubtedReceiver>,
-    /// The unit in which the ranges fit clearly better than as metres: then the track is wrong.
-    pub unit: Option<RangeUnit>,
+    /// Why the ranges do not fit: then the track is wrong.
+    pub fault: Option<RangeFault>,
+}
+
+/// Why the ranges of a track do not fit.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RangeFault {
+    /// They fit clearly better in this unit than as metres.
+    Unit(RangeUnit),
+    /// They fit clearly better with two receivers in each other's place, by number: their names or their known places are exchanged. The
+    /// pair that fits best, and others that fit about as well.
+    Exchanged(Vec<[usize; 2]>),
+    /// They are usually so far off that no device is, and neither of these is why.
+    Unexplained {
+        /// By how much (m).
+        usually_m: f64,
+        /// The receivers without which the others agree much better, most first.
+        receivers: Vec<usize>,
+    },
 }
 
 /// A receiver whose ranges fit a track clearly worse than those of the others: it is elsewhere, or they are not its ranges.

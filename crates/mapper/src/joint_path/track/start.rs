@@ -41,7 +41,7 @@ impl Epochs {
     }
 
     /// The readings around each epoch.
-    fn around(&self) -> impl Iterator<Item = (f64, &[EpochReading])> {
+    pub(super) fn around(&self) -> impl Iterator<Item = (f64, &[EpochReading])> {
         let (mut from, mut to) = (0, 0);
         let time_of = |reading: &EpochReading| self.times_s[reading.epoch];
         self.times_s.iter().map(move |&time_s| {
@@ -56,7 +56,7 @@ impl Epochs {
     }
 
     /// The values of each receiver among some readings.
-    fn by_receiver(near: &[EpochReading], receivers: usize, of_strengths: bool) -> Vec<Vec<f64>> {
+    pub(super) fn by_receiver(near: &[EpochReading], receivers: usize, of_strengths: bool) -> Vec<Vec<f64>> {
         let mut found: Vec<Vec<f64>> = vec![Vec::new(); receivers];
         let readings = near.iter().filter(|reading| reading.is_strength == of_strengths);
         readings.for_each(|reading| found[reading.receiver].push(reading.value));
@@ -78,31 +78,12 @@ impl Epochs {
                 .iter_mut()
                 .zip(receivers)
                 .filter(|(ranges, _)| !ranges.is_empty())
-                .map(|(ranges, receiver)| {
-                    let up_m = receiver.z_m - height_m;
-                    Range::new(*receiver, (median(ranges).powi(2) - up_m * up_m).max(0.0).sqrt())
-                })
+                .map(|(ranges, receiver)| flat_range(*receiver, median(ranges), height_m))
                 .collect();
             if flat.len() < 3 {
                 continue;
             }
-            let usual_m = median(&mut flat.iter().map(|range| range.distance_m).collect::<Vec<_>>());
-            let around = [[1.0, 0.2], [-0.2, 1.0], [-1.0, -0.2], [0.2, -1.0]]
-                .map(|[x, y]| middle + Position::new(x * usual_m, y * usual_m, 0.0));
-            let misfit = |place: &Position| -> f64 {
-                flat.iter()
-                    .map(|range| {
-                        let apart = *place - range.anchor;
-                        (libm::hypot(apart.x_m, apart.y_m) - range.distance_m).abs()
-                    })
-                    .sum()
-            };
-            // A place near the last one is preferred where two fit alike.
-            let starts = std::iter::once(last).chain(around).chain([middle + Position::new(0.01, 0.02, 0.0)]);
-            let found = starts.map(|start| refine(start, &flat, 2));
-            let cost =
-                |place: &Position| misfit(place) + 0.05 * libm::hypot(place.x_m - last.x_m, place.y_m - last.y_m);
-            let Some(best) = found.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
+            let best = best_place(&flat, middle, Some(last));
             let [x_m, y_m] = line.map_or([best.x_m, best.y_m], |line| line.on_side([best.x_m, best.y_m]));
             last = Position::new(x_m, y_m, best.z_m);
             known.push((time_s, [x_m, y_m]));
@@ -130,4 +111,26 @@ impl Epochs {
         }
         known
     }
+}
+
+/// The range in the plane to a receiver, of a tag at a height (m).
+pub(super) fn flat_range(receiver: Position, range_m: f64, height_m: f64) -> Range {
+    let up_m = receiver.z_m - height_m;
+    Range::new(receiver, (range_m.powi(2) - up_m * up_m).max(0.0).sqrt())
+}
+
+/// The place in the plane that fits some ranges best, of the tops of six searches or, with a `last` place, seven: a place near that is
+/// preferred where two fit alike. `middle` is amid the receivers.
+pub(super) fn best_place(flat: &[Range], middle: Position, last: Option<Position>) -> Position {
+    let usual_m = median(&mut flat.iter().map(|range| range.distance_m).collect::<Vec<_>>());
+    let around = [[1.0, 0.2], [-0.2, 1.0], [-1.0, -0.2], [0.2, -1.0]]
+        .map(|[x, y]| middle + Position::new(x * usual_m, y * usual_m, 0.0));
+    let starts = last.into_iter().chain(around).chain([middle + Position::new(0.01, 0.02, 0.0)]);
+    let away_m = |place: Position, from: Position| libm::hypot(place.x_m - from.x_m, place.y_m - from.y_m);
+    let cost = |place: &Position| {
+        let misfit_m: f64 = flat.iter().map(|range| (away_m(*place, range.anchor) - range.distance_m).abs()).sum();
+        misfit_m + last.map_or(0.0, |last| 0.05 * away_m(*place, last))
+    };
+    let found = starts.map(|start| refine(start, flat, 2));
+    found.min_by(|a, b| cost(a).total_cmp(&cost(b))).expect("there are starts")
 }

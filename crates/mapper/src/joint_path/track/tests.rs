@@ -187,16 +187,45 @@ fn odometry_and_arms_of_antennas_tell_the_robot_from_ranges_to_two_receivers() {
     assert!(track(&receivers, &mixed, settings, &Unwatched).is_err());
 }
 
+const WIDE_ROOM: [[f64; 2]; 6] = [[0.0, 0.0], [12.0, 1.0], [11.0, 13.0], [-1.0, 12.0], [6.0, -1.0], [5.0, 14.0]];
+
 #[test]
 fn right_receivers_are_not_doubted_and_another_unit_is_told() {
-    let receivers = [[0.0, 0.0], [12.0, 1.0], [11.0, 13.0], [-1.0, 12.0], [6.0, -1.0], [5.0, 14.0]].map(place);
+    let receivers = WIDE_ROOM.map(place);
     let all = ranges(&receivers, 900, 0.1, circle);
     let right = track(&receivers, &all, TrackSettings::default(), &Unwatched).unwrap();
-    assert!(right.doubted.is_empty() && right.unit.is_none(), "{:?}, {:?}", right.doubted, right.unit);
+    assert!(right.doubted.is_empty() && right.fault.is_none(), "{:?}, {:?}", right.doubted, right.fault);
     let kilometres: Vec<TagReading> = all
         .iter()
         .map(|reading| TagReading { value: TagValue::Range(0.001 * reading.number()), ..*reading })
         .collect();
     let found = track(&receivers, &kilometres, TrackSettings::default(), &Unwatched).unwrap();
-    assert!(found.unit.is_some_and(|unit| (unit.of_metre - 0.001).abs() < 1e-9), "{:?}", found.fit);
+    let is_told = matches!(&found.fault, Some(RangeFault::Unit(unit)) if (unit.of_metre - 0.001).abs() < 1e-9);
+    assert!(is_told, "{:?}, {:?}", found.fault, found.fit);
+}
+
+/// What is wrong with the ranges to the receivers of a room if the known places are in this order.
+fn fault(room: &[[f64; 2]], order: &[usize]) -> Option<RangeFault> {
+    let receivers: Vec<Position> = room.iter().copied().map(place).collect();
+    let all = ranges(&receivers, 900, 0.15, circle);
+    let known: Vec<Position> = order.iter().map(|&receiver| receivers[receiver]).collect();
+    track(&known, &all, TrackSettings::default(), &Unwatched).unwrap().fault
+}
+
+#[test]
+fn two_receivers_in_each_others_place_are_named() {
+    for (order, pair) in [([0, 4, 2, 3, 1, 5], [1, 4]), ([3, 1, 2, 0, 4, 5], [0, 3]), ([0, 1, 5, 3, 4, 2], [2, 5])] {
+        assert_eq!(fault(&WIDE_ROOM, &order), Some(RangeFault::Exchanged(vec![pair])));
+    }
+    // Two opposite walls of a rectangle cannot be told apart: the one is the mirror image of the other.
+    let hall = [[0.0, 0.0], [12.0, 0.0], [12.0, 12.0], [0.0, 12.0]];
+    let Some(RangeFault::Exchanged(mut pairs)) = fault(&hall, &[1, 0, 2, 3]) else { panic!("nothing is told") };
+    pairs.sort_unstable();
+    assert_eq!(pairs, [[0, 1], [2, 3]]);
+}
+
+#[test]
+fn ranges_that_nothing_explains_are_told() {
+    let found = fault(&WIDE_ROOM, &[1, 2, 0, 4, 5, 3]);
+    assert!(matches!(&found, Some(RangeFault::Unexplained { usually_m, .. }) if *usually_m > 1.0), "{found:?}");
 }
