@@ -52,6 +52,7 @@ impl Report {
         report.origin.seed = said("seed");
         report.origin.version = said("version");
         report.notes.extend(run.concern().map(|concern| format!("{}.", concern.replacen('t', "T", 1))));
+        report.notes.extend(summary.as_deref().map(notes).unwrap_or_default());
         if let Some(text) = run.attachment(SCENARIO_ATTACHMENT) {
             report.scenario = Some(String::from_utf8_lossy(&text.data).into_owned());
         }
@@ -67,6 +68,13 @@ impl Report {
 fn summary(run: &RecordedRun) -> Option<String> {
     let text = String::from_utf8_lossy(&run.attachment(SUMMARY_ATTACHMENT)?.data).into_owned();
     serde_json::from_str::<Value>(&text).is_ok().then_some(text)
+}
+
+/// What the user should know, by the summary.
+fn notes(summary: &str) -> Vec<String> {
+    let summary: Option<Value> = serde_json::from_str(summary).ok();
+    let notes = summary.and_then(|summary| serde_json::from_value(summary.get("notes")?.clone()).ok());
+    notes.unwrap_or_default()
 }
 
 /// The zero of the recording.

@@ -109,6 +109,7 @@ mod setup;
 mod simulation;
 mod snapshot;
 mod station;
+mod sum_fields;
 mod world;
 
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};

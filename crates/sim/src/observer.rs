@@ -73,6 +73,10 @@ pub trait Observer {
     /// A station has worked out something about the world.
     fn estimated(&mut self, _station: StationId, _time: SimTime, _estimate: &Estimate) {}
 
+    /// A packet over several hops begins at a station: it waits there until the link takes it. Its `number` is of those that the
+    /// station had before, their last 16 bits.
+    fn originated(&mut self, _station: StationId, _number: u16, _time: SimTime) {}
+
     /// A target is at `position` at `time`: the start or the end of a leg, the end of its way through the world, or the
     /// end of the simulation.
     fn target_moved(&mut self, _target: TargetId, _time: SimTime, _position: Position) {}
@@ -146,75 +150,5 @@ pub(crate) struct RememberingObserver<'a> {
 impl<'a> RememberingObserver<'a> {
     pub(crate) fn new(observer: &'a mut dyn Observer) -> Self {
         Self { wants_frames: observer.wants_frames(), observer }
-    }
-}
-
-impl Observer for RememberingObserver<'_> {
-    fn moved(&mut self, robot: usize, time: SimTime, position: Position) {
-        self.observer.moved(robot, time, position);
-    }
-
-    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
-        self.observer.curved(robot, time, pose);
-    }
-
-    fn believed(&mut self, robot: usize, time: SimTime, pose: Pose) {
-        self.observer.believed(robot, time, pose);
-    }
-
-    fn met(&mut self, contact: Contact) {
-        self.observer.met(contact);
-    }
-
-    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>) {
-        self.observer.stopped(network, index, stop, end, heard);
-    }
-
-    fn estimated(&mut self, station: StationId, time: SimTime, estimate: &Estimate) {
-        self.observer.estimated(station, time, estimate);
-    }
-
-    fn captured(&mut self, robot: usize, target: TargetId, time: SimTime) {
-        self.observer.captured(robot, target, time);
-    }
-
-    fn target_gone(&mut self, target: TargetId, time: SimTime) {
-        self.observer.target_gone(target, time);
-    }
-
-    fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
-        self.observer.target_moved(target, time, position);
-    }
-
-    fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
-        self.observer.sensed(node, time, sensed);
-    }
-
-    fn depleted(&mut self, node: NodeId, time: SimTime) {
-        self.observer.depleted(node, time);
-    }
-
-    fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {
-        self.observer.source_removed(field, source, time);
-    }
-
-    fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.observer.framed(frame);
-    }
-
-    fn wants_frames(&self) -> bool {
-        self.wants_frames
-    }
-
-    fn traced(&mut self, packet: &PacketTrace) {
-        self.observer.traced(packet);
-    }
-
-    fn wants_packets(&self) -> bool {
-        self.observer.wants_packets()
-    }
-
-    fn goes_on(&mut self, progress: Progress) -> bool {
-        self.observer.goes_on(progress)
     }
 }

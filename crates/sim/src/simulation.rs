@@ -19,7 +19,7 @@ use crate::application::Application;
 use crate::applications::journey::{Journey, JourneyRecord};
 use crate::applications::node_traffic::NodeTraffic;
 use crate::applications::robot::RobotTask;
-use crate::applications::standard::Standard;
+use crate::applications::standard::{Receiver, Standard};
 use crate::engine::{Ended, Engine, Extras};
 use crate::halo::{AllSimulated, SimulatedPart};
 use crate::link::books::Books;
@@ -144,7 +144,8 @@ impl<N: Application> Simulation<N> {
                 RobotTask::Own => Standard::Own(own_robots.next().ok_or_else(|| without_application(i))?),
             });
         }
-        applications.extend(setup.sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink, Standard::Own)));
+        applications
+            .extend(setup.sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink(Receiver), Standard::Own)));
         let extras = Extras { round: 0, channel_seed: setup.seed, coordinator };
         let no_rest = no_rest(&setup, &applications, roll);
         Ok(Self {
@@ -218,7 +219,7 @@ impl Outcome {
                 }
                 (Standard::Own(sink), StationKind::Sink(_)) => own.sinks.push(sink),
                 (Standard::Robot(journey), _) => journeys.push(journey.into_record()),
-                (Standard::Sink | Standard::Absent, _) => {}
+                (Standard::Sink(_) | Standard::Absent, _) => {}
             }
         }
         let robots = (names.into_iter().zip(journeys).zip(path_lengths_m).zip(end_poses))

@@ -7,6 +7,7 @@ use sextant_sim::{ReadySimulation, Setup, Simulation};
 
 use super::config::BeamTrackingConfig;
 use super::settings::BeamTracking;
+use super::station::BeamStation;
 use crate::mission::{
     LinkRecord, Mission, MissionGoal, MissionLinks, MissionOutcome, MissionPlace, MissionSettings, MissionTeam,
 };
@@ -48,7 +49,7 @@ impl Mission for BeamTracking {
     ) -> Result<ReadySimulation<'static, MissionOutcome>, SettingError> {
         let simulation = Simulation::with(setup, self.stations(map, team))?;
         Ok(simulation.ready(|own| {
-            let records = own.robots.into_iter().filter_map(super::BeamStation::into_record);
+            let records = own.robots.into_iter().filter_map(BeamStation::into_record);
             let links = records.fold(LinkRecord::default(), |sum, record| sum.with(&record));
             MissionOutcome { links: Some(links), ..MissionOutcome::default() }
         }))

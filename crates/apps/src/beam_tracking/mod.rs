@@ -20,6 +20,3 @@ mod station;
 mod training;
 
 pub use config::{BeamTrackingConfig, OnFallConfig, PredictedConfig, RetrainConfig};
-pub use robot::BeamRobot;
-pub use settings::BeamTracking;
-pub use station::BeamStation;

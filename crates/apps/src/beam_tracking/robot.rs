@@ -26,7 +26,7 @@ const DATA: Timer = Timer(1);
 
 /// A robot that drives along its way and keeps a link.
 #[derive(Debug)]
-pub struct BeamRobot {
+pub(super) struct BeamRobot {
     mission: Arc<BeamTracking>,
     map: Arc<NavigationMap>,
     network: NetworkId,
@@ -52,7 +52,7 @@ pub struct BeamRobot {
 impl BeamRobot {
     /// A robot among `nodes` nodes, of which it knows `map`.
     #[must_use]
-    pub fn new(mission: Arc<BeamTracking>, map: Arc<NavigationMap>, network: NetworkId, nodes: usize) -> Self {
+    pub(super) fn new(mission: Arc<BeamTracking>, map: Arc<NavigationMap>, network: NetworkId, nodes: usize) -> Self {
         Self {
             machine: Retraining::new(mission.rule),
             mission,
@@ -73,7 +73,7 @@ impl BeamRobot {
 
     /// What became of its links.
     #[must_use]
-    pub fn into_record(self) -> LinkRecord {
+    pub(super) fn into_record(self) -> LinkRecord {
         self.record
     }
 

@@ -13,7 +13,7 @@ use super::config::{BeamTrackingConfig, OnFallConfig, PredictedConfig, RetrainCo
 
 /// What all robots of the mission have in common.
 #[derive(Clone, Debug)]
-pub struct BeamTracking {
+pub(super) struct BeamTracking {
     pub(super) way: Vec<Position>,
     pub(super) interval: Duration,
     pub(super) rule: RetrainRule,
@@ -37,7 +37,11 @@ impl BeamTracking {
     /// # Errors
     /// If a value is out of its range, an antenna does not fit, or a training with all sectors does not fit in half a
     /// beacon interval.
-    pub fn new(config: &BeamTrackingConfig, links: &Ieee80211ad, antennas: &Antennas) -> Result<Self, SettingError> {
+    pub(super) fn new(
+        config: &BeamTrackingConfig,
+        links: &Ieee80211ad,
+        antennas: &Antennas,
+    ) -> Result<Self, SettingError> {
         if config.way_m.is_empty() {
             return Err(SettingError::new("way_m", "an empty list", "at least one place"));
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sextant_sim::{Application, Applications, DriveEnd, Port, Timer};
+use sextant_sim::{Application, Applications, pass_on};
 
 use super::robot::BeamRobot;
 use super::settings::BeamTracking;
@@ -11,7 +11,7 @@ use crate::navigation::NavigationMap;
 
 /// The application of a station.
 #[derive(Debug)]
-pub enum BeamStation {
+pub(super) enum BeamStation {
     /// Of a robot.
     Robot(Box<BeamRobot>),
     /// Of a node or a sink: what nodes do follows from what the robot does.
@@ -21,7 +21,11 @@ pub enum BeamStation {
 impl BeamTracking {
     /// The applications of all stations, which know `map`.
     #[must_use]
-    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: MissionTeam<'_>) -> Applications<BeamStation> {
+    pub(super) fn stations(
+        self: &Arc<Self>,
+        map: &Arc<NavigationMap>,
+        team: MissionTeam<'_>,
+    ) -> Applications<BeamStation> {
         let robot = || {
             let robot = BeamRobot::new(Arc::clone(self), Arc::clone(map), team.network, team.nodes);
             BeamStation::Robot(Box::new(robot))
@@ -37,7 +41,7 @@ impl BeamTracking {
 impl BeamStation {
     /// What it leaves behind.
     #[must_use]
-    pub fn into_record(self) -> Option<LinkRecord> {
+    pub(super) fn into_record(self) -> Option<LinkRecord> {
         match self {
             Self::Robot(robot) => Some(robot.into_record()),
             Self::Still => None,
@@ -45,26 +49,15 @@ impl BeamStation {
     }
 }
 
+macro_rules! held {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match $self {
+            Self::Robot(robot) => robot.$method($($argument),*),
+            Self::Still => Default::default(),
+        }
+    };
+}
+
 impl Application for BeamStation {
-    fn has_task(&self) -> bool {
-        matches!(self, Self::Robot(_))
-    }
-
-    fn started(&mut self, port: &mut Port<'_>) {
-        if let Self::Robot(robot) = self {
-            robot.started(port);
-        }
-    }
-
-    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
-        if let Self::Robot(robot) = self {
-            robot.timed(timer, port);
-        }
-    }
-
-    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
-        if let Self::Robot(robot) = self {
-            robot.drive_ended(end, port);
-        }
-    }
+    pass_on!(held);
 }

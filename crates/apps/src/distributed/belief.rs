@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 /// Where a station believes to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Belief {
+pub(crate) struct Belief {
     /// The place (m).
     pub place: Position,
     /// Covariance of x, y and z (m²), if the station knows how sure it is and tells it.
@@ -14,7 +14,7 @@ pub struct Belief {
 impl Belief {
     /// A place that is known exactly.
     #[must_use]
-    pub fn exact(place: Position) -> Self {
+    pub(crate) fn exact(place: Position) -> Self {
         Self { place, covariance: None }
     }
 

@@ -77,7 +77,7 @@ const OTHER_OCTETS: usize = 16;
 /// | 4 | station |
 /// | 12 | its place |
 #[derive(Clone, Debug, PartialEq)]
-pub enum Message {
+pub(crate) enum Message {
     /// An anchor that does not know the directions of its sectors asks other anchors in which of them they hear it.
     Place(Belief),
     /// The answer of an anchor to those that asked.
@@ -95,7 +95,7 @@ pub enum Message {
 
 /// A station, and its sector that was heard best.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeardSector {
+pub(crate) struct HeardSector {
     /// The station that was heard.
     pub station: StationId,
     /// Its sector.
@@ -106,7 +106,7 @@ pub struct HeardSector {
 
 /// What an anchor tells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Beacon {
+pub(crate) struct Beacon {
     /// Where it believes to be.
     pub belief: Belief,
     /// The directions of its sectors, if it has sectors and knows them.
@@ -120,7 +120,7 @@ pub struct Beacon {
 /// The directions of the sectors of an antenna: rings of equal sectors. Sector `i` of ring `j` is number
 /// `j · sectors + i`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Directions {
+pub(crate) struct Directions {
     /// Azimuth of the boresight of sector 0, counterclockwise from x (rad).
     pub azimuth_rad: f64,
     /// Its standard deviation (rad).
@@ -134,7 +134,7 @@ pub struct Directions {
 impl Message {
     /// Where the sender believes to be.
     #[must_use]
-    pub fn belief(&self) -> &Belief {
+    pub(crate) fn belief(&self) -> &Belief {
         match self {
             Self::Place(belief) | Self::Report(belief, _) | Self::Coordinates { belief, .. } => belief,
             Self::Beacon(beacon) => &beacon.belief,
@@ -142,7 +142,7 @@ impl Message {
     }
 
     /// Replaces the content of `octets` with the message.
-    pub fn write(&self, octets: &mut Vec<u8>) {
+    pub(crate) fn write(&self, octets: &mut Vec<u8>) {
         let (kind, flags) = match self {
             Self::Place(_) => (PLACE, 0),
             Self::Report(_, heard) => (REPORT, if has_bearings(heard) { HAS_BEARINGS } else { 0 }),
@@ -197,7 +197,7 @@ impl Message {
     ///
     /// # Errors
     /// If the octets are not a message.
-    pub fn read(octets: &[u8]) -> Result<Self, MessageError> {
+    pub(crate) fn read(octets: &[u8]) -> Result<Self, MessageError> {
         let mut reader = Reader::new(octets);
         let [first, flags] = reader.take("the header")?;
         if first >> 4 != VERSION {
@@ -254,7 +254,7 @@ impl Message {
     }
 
     /// The reports about `heard`, in as many messages of at most `octets` as they need. Without any, none.
-    pub fn reports(belief: Belief, heard: &[HeardSector], octets: usize) -> impl Iterator<Item = Self> {
+    pub(crate) fn reports(belief: Belief, heard: &[HeardSector], octets: usize) -> impl Iterator<Item = Self> {
         let entry = HEARD_OCTETS[usize::from(has_bearings(heard))];
         let per_message = (octets.saturating_sub(HEADER_OCTETS + belief.octets()) / entry).max(1);
         heard.chunks(per_message).map(move |part| Self::Report(belief, part.to_vec()))
@@ -279,7 +279,7 @@ impl Directions {
 
     /// The directions of sector number `sector`; `None` if there is no such sector.
     #[must_use]
-    pub fn wedge(&self, sector: u8) -> Option<Wedge> {
+    pub(crate) fn wedge(&self, sector: u8) -> Option<Wedge> {
         if self.sectors == 0 {
             return None;
         }

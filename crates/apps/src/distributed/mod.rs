@@ -2,7 +2,7 @@
 //! anchors too.
 //!
 //! Each node works out its own place from the packets that it received. All that it knows of others came in messages
-//! over the MAC; see [`Message`] for their layout.
+//! over the MAC; `message.rs` has their layout.
 //!
 //! 1. **Mobile anchors**, if there are any, drive and tell at each stop their place and the directions of their
 //!    sectors, from all sectors.
@@ -30,14 +30,13 @@ mod message;
 mod mobile_anchor;
 mod neighbours;
 mod node;
+mod outbox;
 mod patterns;
 mod record;
 mod schedule;
 
-pub use belief::Belief;
 pub use config::{BearingSource, DistributedMapping, DistributedMappingConfig, Exchange, PatternBearings, Recompute};
 pub use filtration::Category;
-pub use message::{Beacon, Directions, HeardSector, Message};
 pub use mobile_anchor::MobileAnchor;
 pub use node::{MappingNode, NodeAntenna};
 pub use patterns::Patterns;

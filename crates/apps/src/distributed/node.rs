@@ -7,8 +7,8 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_mapper::{Bearing, Estimate, RingOrientation, UnorientedRing};
 use sextant_sim::{
-    Application, Applications, Delivery, Destination, LeftOut, NetworkId, Payload, Port, ReadySimulation, Setup,
-    Simulation, Timer,
+    Application, Applications, Delivery, Destination, LeftOut, NetworkId, Payload, Port, ReadySimulation,
+    SendOutcome, SendReport, Setup, Simulation, Timer,
 };
 
 use super::belief::Belief;
@@ -16,6 +16,7 @@ use super::config::{DistributedMapping, Exchange, Recompute};
 use super::filtration::{Category, Scattering};
 use super::message::{Beacon, Directions, Message};
 use super::neighbours::{HeardBy, Neighbours};
+use super::outbox::Outbox;
 use super::patterns::Patterns;
 use super::record::{MappingRecord, MappingRole};
 use super::schedule::{BeaconWindow, Schedule};
@@ -60,8 +61,7 @@ pub struct MappingNode {
     /// Number of anchors and stops of mobile anchors in the evidence of the last estimate.
     evidence: usize,
     window: u32,
-    /// The messages of this window.
-    outbox: Vec<Vec<u8>>,
+    outbox: Outbox,
     draws: u64,
     record: MappingRecord,
 }
@@ -93,7 +93,7 @@ impl MappingNode {
             neighbours: Neighbours::new(patterns),
             evidence: 0,
             window: 0,
-            outbox: Vec::new(),
+            outbox: Outbox::default(),
             draws: 0,
             record: MappingRecord::default(),
         }
@@ -128,6 +128,7 @@ impl MappingNode {
             anchors_heard: self.neighbours.anchors(),
             mobile_stops_heard: self.neighbours.mobile_sightings(),
             table_octets: self.neighbours.octets(),
+            messages: self.outbox.sent(),
             ..self.record
         }
     }
@@ -139,19 +140,19 @@ impl MappingNode {
     /// A window begins: what the last one brought is used, and the messages of this one are made.
     fn begin(&mut self, port: &mut Port<'_>) {
         let (iteration, window) = self.schedule.at(self.window);
-        self.outbox.clear();
+        self.outbox.begin_window();
         match window {
             BeaconWindow::Place => {
                 self.filter(iteration, port);
                 if let (true, Some(belief)) = (self.joins, self.belief) {
-                    self.put(&Message::Place(belief));
+                    self.outbox.put(&Message::Place(belief));
                 }
             }
             BeaconWindow::Report => {
                 let heard = self.neighbours.asking(iteration);
                 if let (true, Some(belief)) = (self.is_anchor(), self.belief) {
                     for report in Message::reports(belief, &heard, self.largest_octets()) {
-                        self.put(&report);
+                        self.outbox.put(&report);
                     }
                 }
             }
@@ -173,7 +174,7 @@ impl MappingNode {
                 if self.locate(iteration)
                     && let Some(belief) = self.belief
                 {
-                    self.put(&Message::Coordinates {
+                    self.outbox.put(&Message::Coordinates {
                         belief,
                         is_bad: iteration > 1 && self.category == Category::Bad,
                     });
@@ -193,20 +194,12 @@ impl MappingNode {
         port.after(next.saturating_since(port.now()), WINDOW);
     }
 
-    /// Adds a message to those of this window.
-    fn put(&mut self, message: &Message) {
-        let mut octets = Vec::new();
-        message.write(&mut octets);
-        self.record.messages.count(message, octets.len());
-        self.outbox.push(octets);
-    }
-
     /// Each message is sent at a random instant of each of as many parts of the window as it is sent times.
     fn schedule_messages(&mut self, port: &mut Port<'_>) {
         let span = self.settings.window.mul_f64(SENDING_SHARE);
         let repeats = self.settings.repeats;
         let part = span / repeats;
-        for message in 0..self.outbox.len() {
+        for message in 0..self.outbox.in_window() {
             for repeat in 0..repeats {
                 let at = part * repeat + part.mul_f64(port.uniform(self.draws));
                 self.draws += 1;
@@ -221,9 +214,10 @@ impl MappingNode {
     /// Sends the message that is due.
     fn send(&mut self, timer: Timer, port: &mut Port<'_>) {
         let repeats = usize::try_from(self.settings.repeats).expect("at most 100 repeats");
-        let Some(octets) = self.outbox.get(usize::from(timer.0 - 1) / repeats) else { return };
+        let message = usize::from(timer.0 - 1) / repeats;
+        let Some(octets) = self.outbox.octets(message) else { return };
         match port.send(self.network, Destination::All, Payload::Octets(octets)) {
-            Ok(_) => self.record.sent += 1,
+            Ok(frame) => self.outbox.give(message, frame),
             Err(_) => self.record.unsent += 1,
         }
     }
@@ -327,7 +321,7 @@ impl MappingNode {
                 Beacon { belief, directions: directions.clone(), earlier: Vec::new(), others: Vec::new() };
             let room = beacon.room_for_others(self.largest_octets());
             beacon.others = others.drain(..room.min(others.len())).collect();
-            self.put(&Message::Beacon(beacon));
+            self.outbox.put(&Message::Beacon(beacon));
             if others.is_empty() {
                 return;
             }
@@ -378,6 +372,15 @@ impl Application for MappingNode {
         } else {
             self.send(timer, port);
         }
+    }
+
+    fn sent(&mut self, network: NetworkId, report: &SendReport, _port: &mut Port<'_>) {
+        if network != self.network {
+            return;
+        }
+        let is_sent = report.outcome == SendOutcome::Sent;
+        self.outbox.ended(report.frame, is_sent);
+        *if is_sent { &mut self.record.sent } else { &mut self.record.unsent } += 1;
     }
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {

@@ -2,6 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_mapper::{Estimate, RingOrientation};
+use sextant_sim::sum_fields;
 
 use super::filtration::{Category, Scattering};
 use super::message::Message;
@@ -46,11 +47,11 @@ pub struct MappingRecord {
     pub gave_up: bool,
     /// The last iteration in which its place or its part has changed.
     pub last_change: u32,
-    /// Messages that it made.
+    /// Messages that it sent at least once.
     pub messages: MessageCounts,
-    /// Messages given to the link, repeats included.
+    /// Frames with messages that were sent, repeats included.
     pub sent: u64,
-    /// Messages that the link did not take.
+    /// Frames with messages that the link did not take, or gave up because the channel was busy.
     pub unsent: u64,
     /// Frames received, one for each sector heard.
     pub frames_received: u64,
@@ -80,14 +81,16 @@ pub struct MessageCounts {
 }
 
 impl MessageCounts {
-    pub(super) fn count(&mut self, message: &Message, octets: usize) {
+    /// One message of this size.
+    pub(super) fn of(message: &Message, octets: usize) -> Self {
+        let mut one = Self { octets: octets as u64, ..Self::default() };
         *match message {
-            Message::Place(_) => &mut self.place,
-            Message::Report(..) => &mut self.report,
-            Message::Beacon(_) => &mut self.beacon,
-            Message::Coordinates { .. } => &mut self.coordinates,
-        } += 1;
-        self.octets += octets as u64;
+            Message::Place(_) => &mut one.place,
+            Message::Report(..) => &mut one.report,
+            Message::Beacon(_) => &mut one.beacon,
+            Message::Coordinates { .. } => &mut one.coordinates,
+        } = 1;
+        one
     }
 
     /// Messages of all kinds.
@@ -96,3 +99,5 @@ impl MessageCounts {
         self.place + self.report + self.beacon + self.coordinates
     }
 }
+
+sum_fields!(MessageCounts { place, report, beacon, coordinates, octets });

@@ -11,7 +11,7 @@ const REMEMBERED: usize = 64;
 
 /// Which message it is: the station where it began, and a number there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct FloodKey {
+pub(crate) struct FloodKey {
     /// The station where it began.
     pub origin: StationId,
     /// Its number among those of this station; after 65535 comes 0.
@@ -22,7 +22,7 @@ pub struct FloodKey {
 /// in a mobile ad hoc network", counter-based scheme): each station waits for a random time, and stays silent if it
 /// hears enough copies meanwhile.
 #[derive(Clone, Debug)]
-pub struct Flood {
+pub(crate) struct Flood {
     jitter: Duration,
     enough: u32,
     /// The timer of the first message that waits; those of the others follow, up to `timers` of them.
@@ -38,18 +38,18 @@ impl Flood {
     /// Waits up to `jitter` before it passes a message on, and does not if it has heard it `enough` times then. It uses
     /// the timers from `first_timer` on, at most `timers` of them.
     #[must_use]
-    pub fn new(jitter: Duration, enough: u32, first_timer: u16, timers: u16) -> Self {
+    pub(crate) fn new(jitter: Duration, enough: u32, first_timer: u16, timers: u16) -> Self {
         Self { jitter, enough, first_timer, timers, next_timer: 0, heard: VecDeque::new(), waiting: BTreeMap::new() }
     }
 
     /// The station itself began a message: copies that come back are not passed on.
-    pub fn begin(&mut self, key: FloodKey) {
+    pub(crate) fn begin(&mut self, key: FloodKey) {
         self.remember(key, u32::MAX);
     }
 
     /// A copy of a message was heard; `octets` are to be passed on. `draw` is a random number in (0, 1). Returns whether
     /// it is the first copy.
-    pub fn hear(&mut self, key: FloodKey, octets: &[u8], draw: f64, port: &mut Port<'_>) -> bool {
+    pub(crate) fn hear(&mut self, key: FloodKey, octets: &[u8], draw: f64, port: &mut Port<'_>) -> bool {
         if let Some((_, copies)) = self.heard.iter_mut().rev().find(|(other, _)| *other == key) {
             *copies = copies.saturating_add(1);
             return false;
@@ -64,7 +64,7 @@ impl Flood {
     }
 
     /// A timer is due. Returns the message to pass on now, if one waited for it and too few copies were heard.
-    pub fn due(&mut self, timer: Timer) -> Option<(FloodKey, Vec<u8>)> {
+    pub(crate) fn due(&mut self, timer: Timer) -> Option<(FloodKey, Vec<u8>)> {
         let (key, octets) = self.waiting.remove(&timer.0)?;
         let copies = self.heard.iter().rev().find(|(other, _)| *other == key).map_or(1, |&(_, copies)| copies);
         (copies < self.enough).then_some((key, octets))

@@ -19,7 +19,7 @@ type LinkRow = (f64, [f64; 2]);
 
 /// What a robot heard last of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeardNode {
+pub(crate) struct HeardNode {
     /// The place of the node on the map (m).
     pub place: Position,
     /// Received power less transmit power.

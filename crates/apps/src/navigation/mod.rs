@@ -14,13 +14,11 @@ mod poll;
 mod waiting_answers;
 
 pub(crate) use asking::Asking;
-pub use flood::Flood;
-pub(crate) use flood::FloodKey;
-pub use heard::HeardNode;
-pub(crate) use heard::Neighbourhood;
+pub(crate) use flood::{Flood, FloodKey};
+pub(crate) use heard::{HeardNode, Neighbourhood};
 pub use navigation_map::{MapFrame, NavigationMap};
 pub(crate) use place_on_map::PlaceOnMap;
 #[cfg(test)]
 pub(crate) use poll::any;
-pub use poll::{Answer, Asked, Request};
+pub(crate) use poll::{Answer, Request};
 pub(crate) use waiting_answers::WaitingAnswers;

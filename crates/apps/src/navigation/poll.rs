@@ -16,7 +16,7 @@ use crate::octets::{MessageError, Reader, put, put_place};
 /// | 16 | with 1: centre x, y, z and radius of the disc as `f32` |
 /// | 4 | with 2: least power of the request (dBm) as `f32` |
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Request {
+pub(crate) struct Request {
     /// Number of the poll; after 65535 comes 0.
     pub number: u16,
     /// The time in which nodes answer, each at a random instant; whole milliseconds, below 65.536 s.
@@ -27,7 +27,7 @@ pub struct Request {
 
 /// Which nodes a robot asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
+pub(crate) enum Asked {
     /// All that hear the request.
     All,
     /// Those in a disc on the map.
@@ -50,7 +50,7 @@ pub enum Asked {
 /// | 12 | place of the node on the map: x, y, z as `f32` |
 /// | 4 | its transmit power (dBm) as `f32` |
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// Number of the poll.
     pub number: u16,
     /// Where the node is on the map (m).
@@ -62,7 +62,7 @@ pub struct Answer {
 impl Request {
     /// Whether a node at `place` on the map is asked that received the request with the power `rssi`.
     #[must_use]
-    pub fn concerns(&self, place: Position, rssi: Dbm) -> bool {
+    pub(crate) fn concerns(&self, place: Position, rssi: Dbm) -> bool {
         match self.asked {
             Asked::All => true,
             Asked::Near { center, radius_m } => center.distance_m(place) <= radius_m,

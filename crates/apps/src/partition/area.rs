@@ -105,7 +105,7 @@ impl FreeArea {
     /// The part of a box that holds all that is free in it, with a margin of a cell, because cells are free or not by their
     /// middles.
     #[must_use]
-    pub fn tight(&self, of: &Bounds) -> Bounds {
+    pub(crate) fn tight(&self, of: &Bounds) -> Bounds {
         let mut tight = *of;
         for (axis, cell_m) in [(Axis::X, self.cell[0]), (Axis::Y, self.cell[1])] {
             let (low, high) = axis.range(&tight);

@@ -82,7 +82,7 @@ impl RoutedTo {
 
     /// Octets that the header of a packet needs beyond those of one to a sink: the parent of its origin, and a node.
     #[must_use]
-    pub const fn further_octets(self) -> u8 {
+    pub(super) const fn further_octets(self) -> u8 {
         match self {
             Self::Sink => 0,
             Self::SinkAndBack => 2,

@@ -1,9 +1,11 @@
 //! What stations did for packets over several hops.
 
+use sextant_sim::sum_fields;
+
 /// What a station did for the packets of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Beacons.
+    /// Beacons that the MAC took.
     pub beacons: u64,
     /// Frames with packets on air, retries included.
     pub transmissions: u64,
@@ -56,73 +58,31 @@ pub struct RplCounts {
     pub repairs: u64,
 }
 
-impl std::ops::AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        // Without `..`, so that no field is forgotten.
-        let Self {
-            beacons,
-            transmissions,
-            duplicates,
-            loops,
-            queue_drops,
-            given_up,
-            hop_limit_drops,
-            no_route,
-            fragments,
-            reassembly_failures,
-            rpl,
-        } = other;
-        self.beacons += beacons;
-        self.transmissions += transmissions;
-        self.duplicates += duplicates;
-        self.loops += loops;
-        self.queue_drops += queue_drops;
-        self.given_up += given_up;
-        self.hop_limit_drops += hop_limit_drops;
-        self.no_route += no_route;
-        self.fragments += fragments;
-        self.reassembly_failures += reassembly_failures;
-        self.rpl += rpl;
-    }
-}
+sum_fields!(Counts {
+    beacons,
+    transmissions,
+    duplicates,
+    loops,
+    queue_drops,
+    given_up,
+    hop_limit_drops,
+    no_route,
+    fragments,
+    reassembly_failures,
+    rpl,
+});
 
-impl std::ops::AddAssign for RplCounts {
-    fn add_assign(&mut self, other: Self) {
-        // Without `..`, so that no field is forgotten.
-        let Self {
-            dio,
-            unicast_dio,
-            dis,
-            dao,
-            dao_ack,
-            transmissions,
-            lost,
-            left_out,
-            rank_errors,
-            rank_error_drops,
-            full_tables,
-            repairs,
-        } = other;
-        self.dio += dio;
-        self.unicast_dio += unicast_dio;
-        self.dis += dis;
-        self.dao += dao;
-        self.dao_ack += dao_ack;
-        self.transmissions += transmissions;
-        self.lost += lost;
-        self.left_out += left_out;
-        self.rank_errors += rank_errors;
-        self.rank_error_drops += rank_error_drops;
-        self.full_tables += full_tables;
-        self.repairs += repairs;
-    }
-}
-
-impl std::iter::Sum for Counts {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |mut sum, one| {
-            sum += one;
-            sum
-        })
-    }
-}
+sum_fields!(RplCounts {
+    dio,
+    unicast_dio,
+    dis,
+    dao,
+    dao_ack,
+    transmissions,
+    lost,
+    left_out,
+    rank_errors,
+    rank_error_drops,
+    full_tables,
+    repairs,
+});

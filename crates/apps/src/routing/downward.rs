@@ -13,10 +13,11 @@ use super::way::Way;
 
 impl Router {
     /// The station has one packet more of its own.
-    pub(super) fn number_packet(&mut self, port: &Port<'_>) -> Data {
+    pub(super) fn number_packet(&mut self, port: &mut Port<'_>) -> Data {
         #[expect(clippy::cast_possible_truncation, reason = "numbers of packets go round")]
         let number = self.record.offered.len() as u16;
         self.record.offered.push(port.now());
+        port.tell_origin(number);
         Data { origin: port.station(), number, hops: 0, cost: None, parent: None, target: None }
     }
 

@@ -7,7 +7,7 @@ use sextant_sim::{LinkBudgets, NetworkId, Setup};
 /// the shadowing of the link, or over all draws if each packet has its own; without fading in time and without lost messages; or
 /// as measured at first.
 #[derive(Clone, Debug, PartialEq)]
-pub struct UsableLinks {
+pub(crate) struct UsableLinks {
     /// The links from each station: to whom, and expected transmissions.
     from: Vec<Vec<(StationId, f64)>>,
 }
@@ -18,7 +18,7 @@ impl UsableLinks {
     ///
     /// # Errors
     /// Those of [`LinkBudgets::new`].
-    pub fn new(setup: &Setup, usable_prr: f64) -> Result<Self, SettingError> {
+    pub(super) fn new(setup: &Setup, usable_prr: f64) -> Result<Self, SettingError> {
         let mut budgets = LinkBudgets::new(setup)?;
         let network = NetworkId::default();
         let (nodes, robots) = (setup.world.nodes.len(), setup.robots.len());
@@ -46,7 +46,7 @@ impl UsableLinks {
 
     /// Number of stations.
     #[must_use]
-    pub fn stations(&self) -> usize {
+    pub(super) fn stations(&self) -> usize {
         self.from.len()
     }
 
@@ -59,7 +59,7 @@ impl UsableLinks {
     ///
     /// # Panics
     /// If there is no such station.
-    pub fn of(&self, station: StationId) -> impl Iterator<Item = (StationId, f64)> {
+    pub(super) fn of(&self, station: StationId) -> impl Iterator<Item = (StationId, f64)> {
         self.from[station.index()].iter().copied()
     }
 }

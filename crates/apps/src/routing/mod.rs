@@ -32,9 +32,6 @@ pub use config::{
 };
 pub use counts::{Counts, RplCounts};
 pub use deliveries::Deliveries;
-pub use links::UsableLinks;
 pub use record::{ParentChange, RoutedStation, RoutingRecord};
-pub use router::Router;
 pub use rpl::{MrhofConfig, ObjectiveConfig, Of0Config, RankErrors, RplConfig, RplMode, StepOfRankConfig};
 pub use settings::Routing;
-pub use tree::Tree;

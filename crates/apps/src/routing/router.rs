@@ -23,7 +23,7 @@ pub(super) const RESEND: Timer = Timer(2);
 pub(super) const REASSEMBLY: Timer = Timer(3);
 
 /// The application of a station that takes part in routing.
-pub struct Router {
+pub(crate) struct Router {
     pub(super) routing: Arc<Routing>,
     pub(super) way: Way,
     pub(super) source: Option<Source>,
@@ -164,10 +164,11 @@ impl Router {
         let Way::Built { tree, trickle, .. } = &mut self.way else { return };
         tree.beacon().write(&mut self.octets);
         let due = trickle.next(uniform);
-        // A beacon that finds the queue of the MAC full is lost like any other.
-        let _ = port.send(NetworkId::default(), Destination::All, Payload::Octets(&self.octets));
+        // A beacon that finds the queue of the MAC full is lost, and does not count.
+        if port.send(NetworkId::default(), Destination::All, Payload::Octets(&self.octets)).is_ok() {
+            self.count(port, |counts| counts.beacons += 1);
+        }
         self.beacon_due = Some(port.after(due.saturating_since(port.now()), BEACON));
-        self.count(port, |counts| counts.beacons += 1);
     }
 
     fn hear_beacon(&mut self, from: StationId, beacon: &Beacon, port: &mut Port<'_>) {

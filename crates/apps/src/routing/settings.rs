@@ -103,21 +103,6 @@ impl Routing {
         Ok(Self { queue_packets: queue_packets.into(), resends, to, nodes, plan, links, fragments })
     }
 
-    /// The tree, if it is fixed.
-    #[must_use]
-    pub fn tree(&self) -> Option<&Tree> {
-        match &self.plan {
-            Plan::Fixed(tree) => Some(tree),
-            Plan::Built { .. } | Plan::Rpl(_) => None,
-        }
-    }
-
-    /// The usable links of the layout.
-    #[must_use]
-    pub fn links(&self) -> &UsableLinks {
-        &self.links
-    }
-
     /// The least size of a frame of the traffic: a header of the MAC and those of a packet (octets).
     #[must_use]
     pub const fn least_mpdu_octets(tree: &TreeConfig, to: RoutedTo) -> u8 {

@@ -15,7 +15,7 @@ use super::links::UsableLinks;
 
 /// A tree, or several: the parent of each station, where it has one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Tree {
+pub(crate) struct Tree {
     parents: Vec<Option<StationId>>,
 }
 
@@ -42,14 +42,14 @@ struct Reached {
 impl Tree {
     /// A tree with these parents, by station.
     #[must_use]
-    pub fn of(parents: Vec<Option<StationId>>) -> Self {
+    pub(crate) fn of(parents: Vec<Option<StationId>>) -> Self {
         Self { parents }
     }
 
     /// The shortest ways to the nearest of `roots` (Dijkstra, Numerische Mathematik 1, 1959). Of ways that are as short, the one
     /// by the station with the lower number counts.
     #[must_use]
-    pub fn shortest(links: &UsableLinks, roots: &[StationId], metric: TreeMetric) -> Self {
+    pub(crate) fn shortest(links: &UsableLinks, roots: &[StationId], metric: TreeMetric) -> Self {
         let mut parents = vec![None; links.stations()];
         let mut settled = vec![false; links.stations()];
         let at_root = |&station: &StationId| Reverse(Reached { first: 0, second: 0, station, parent: None });
@@ -76,7 +76,7 @@ impl Tree {
     /// # Errors
     /// If it cannot be read, names a station that there is not, leaves out a node or has it twice, or goes round in a circle. The
     /// key is `file`.
-    pub fn read(
+    pub(crate) fn read(
         file: &Path,
         nodes: &[PlacedNode],
         robots: usize,
@@ -151,19 +151,19 @@ impl Tree {
 
     /// The parent of each station, where it has one.
     #[must_use]
-    pub fn parents(&self) -> &[Option<StationId>] {
+    pub(crate) fn parents(&self) -> &[Option<StationId>] {
         &self.parents
     }
 
     /// The parent of a station.
     #[must_use]
-    pub fn parent(&self, station: StationId) -> Option<StationId> {
+    pub(crate) fn parent(&self, station: StationId) -> Option<StationId> {
         self.parents.get(station.index()).copied().flatten()
     }
 
     /// Hops from a station to one that is a root; `None` if its way ends elsewhere, or goes round in a circle.
     #[must_use]
-    pub fn depth(&self, station: StationId, is_root: impl Fn(StationId) -> bool) -> Option<u32> {
+    pub(crate) fn depth(&self, station: StationId, is_root: impl Fn(StationId) -> bool) -> Option<u32> {
         let mut at = station;
         for hops in 0..=u32::try_from(self.parents.len()).ok()? {
             if is_root(at) {

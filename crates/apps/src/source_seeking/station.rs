@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sextant_kernel::NodeId;
-use sextant_sim::{Application, Applications, Delivery, DriveEnd, Port, RobotBody, Sensed, Timer};
+use sextant_sim::{Application, Applications, RobotBody, pass_on};
 
 use super::node::SeekNode;
 use super::record::SeekRecord;
@@ -55,56 +55,18 @@ impl SeekStation {
             Self::Sink => SeekRecord::Sink,
         }
     }
+}
 
-    fn application(&mut self) -> Option<&mut dyn Application> {
-        match self {
-            Self::Node(node) => Some(node.as_mut()),
-            Self::Robot(robot) => Some(robot.as_mut()),
-            Self::Sink => None,
+macro_rules! held {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match $self {
+            Self::Node(node) => node.$method($($argument),*),
+            Self::Robot(robot) => robot.$method($($argument),*),
+            Self::Sink => Default::default(),
         }
-    }
+    };
 }
 
 impl Application for SeekStation {
-    fn hears(&self) -> bool {
-        !matches!(self, Self::Sink)
-    }
-
-    fn senses(&self) -> bool {
-        matches!(self, Self::Node(_))
-    }
-
-    fn has_task(&self) -> bool {
-        matches!(self, Self::Robot(_))
-    }
-
-    fn started(&mut self, port: &mut Port<'_>) {
-        if let Some(application) = self.application() {
-            application.started(port);
-        }
-    }
-
-    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
-        if let Some(application) = self.application() {
-            application.timed(timer, port);
-        }
-    }
-
-    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        if let Some(application) = self.application() {
-            application.delivered(delivery, port);
-        }
-    }
-
-    fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {
-        if let Some(application) = self.application() {
-            application.sensed(sensed, port);
-        }
-    }
-
-    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
-        if let Some(application) = self.application() {
-            application.drive_ended(end, port);
-        }
-    }
+    pass_on!(held);
 }

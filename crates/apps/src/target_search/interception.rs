@@ -21,7 +21,7 @@ pub(crate) struct Pursuit {
 
 /// A meeting of a robot and a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub(crate) struct Meeting {
     /// Time until then.
     pub after: Duration,
     /// Where the target will be (m).

@@ -44,7 +44,7 @@ const STILL: u32 = u32::MAX;
 /// | 7 GRADIENT | 2 round, 2 target, 1 hops to a node that detects the target, 4 pseudo-gradient of the sender as `f32`, 4 when the newest of these nodes detected it |
 /// | 8 ALARM of doubted detections | as 5; then 1 number of nodes that detected the target together |
 #[derive(Clone, Debug, PartialEq)]
-pub enum Message {
+pub(crate) enum Message {
     /// A robot asks the nodes around it.
     Request(Request),
     /// A node answers a robot: when it detected which targets.
@@ -84,7 +84,7 @@ pub enum Message {
 
 /// When a node detected a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Detection {
+pub(crate) struct Detection {
     /// The target.
     pub target: TargetId,
     /// When it entered the radius of detection.
@@ -95,7 +95,7 @@ pub struct Detection {
 
 /// A node detected a target that was unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FirstDetection {
+pub(crate) struct FirstDetection {
     /// The node that detected it.
     pub node: StationId,
     /// The target.
@@ -108,7 +108,7 @@ pub struct FirstDetection {
 
 /// What a robot says of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Claim {
+pub(crate) enum Claim {
     /// It seeks the target and would meet it in this time (s).
     Sought(f64),
     /// It has captured the target.
@@ -117,7 +117,7 @@ pub enum Claim {
 
 /// The pseudo-gradient of a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GradientMessage {
+pub(crate) struct GradientMessage {
     /// Number of the round: a new one begins whenever the target has moved.
     pub round: u16,
     /// The target.
@@ -166,7 +166,7 @@ impl Message {
 
     /// The octets of the message.
     #[must_use]
-    pub fn to_octets(&self) -> Vec<u8> {
+    pub(crate) fn to_octets(&self) -> Vec<u8> {
         let mut octets = Vec::with_capacity(LARGEST_OCTETS);
         let kind = match self {
             Self::Request(_) => REQUEST,
@@ -236,7 +236,7 @@ impl Message {
     ///
     /// # Errors
     /// If the octets are not a message.
-    pub fn read(octets: &[u8]) -> Result<Self, MessageError> {
+    pub(crate) fn read(octets: &[u8]) -> Result<Self, MessageError> {
         let mut reader = Reader::new(octets);
         let [first] = reader.take("the header")?;
         if first >> 4 != VERSION {

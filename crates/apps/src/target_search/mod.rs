@@ -44,12 +44,7 @@ pub use config::{
     ParticlesConfig, PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, SearchPreset, WithoutNews,
 };
 pub use doubt::Doubt;
-pub use interception::Meeting;
-pub use message::{Claim, Detection, Message};
 pub use outbox::MessageCounts;
-pub use particle_filter::Space;
 pub use record::{RobotSearchRecord, SearchStep};
 pub use settings::TargetSearch;
 pub use station::{SearchRecord, SearchStation};
-pub use target_state::Fix;
-pub use trajectory::{CurveForm, Forecast, Limit, NextTurn, Trust, TurnRule, TurnTimes};

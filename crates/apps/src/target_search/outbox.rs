@@ -1,7 +1,7 @@
 //! What a station sends, and the count of it.
 
 use sextant_kernel::StationId;
-use sextant_sim::{Destination, FrameId, NetworkId, Payload, Port};
+use sextant_sim::{Destination, FrameId, NetworkId, Payload, Port, sum_fields};
 
 use super::message::Message;
 
@@ -28,20 +28,7 @@ pub struct MessageCounts {
     pub refused: u64,
 }
 
-impl std::ops::AddAssign for MessageCounts {
-    fn add_assign(&mut self, other: Self) {
-        let Self { requests, answers, tree, detections, alarms, claims, gradients, octets, refused } = other;
-        self.requests += requests;
-        self.answers += answers;
-        self.tree += tree;
-        self.detections += detections;
-        self.alarms += alarms;
-        self.claims += claims;
-        self.gradients += gradients;
-        self.octets += octets;
-        self.refused += refused;
-    }
-}
+sum_fields!(MessageCounts { requests, answers, tree, detections, alarms, claims, gradients, octets, refused });
 
 impl MessageCounts {
     /// All messages.

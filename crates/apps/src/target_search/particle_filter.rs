@@ -33,17 +33,6 @@ pub(crate) struct ParticleFilterSettings {
     pub turns_per_s: f64,
     /// Standard deviation of the acceleration along an axis (m/s²), constant during a step.
     pub acceleration_sigma_m_per_s2: f64,
-    /// Where the target moves.
-    pub space: Space,
-}
-
-/// Where a target moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Space {
-    /// In a plane, at the height where it was first seen.
-    Plane,
-    /// In all three dimensions.
-    Solid,
 }
 
 impl Default for ParticleFilterSettings {
@@ -55,7 +44,6 @@ impl Default for ParticleFilterSettings {
             max_speed_m_per_s: 1.5,
             turns_per_s: 0.1,
             acceleration_sigma_m_per_s2: 0.2,
-            space: Space::Plane,
         }
     }
 }
@@ -147,14 +135,10 @@ impl ParticleFilter {
             self.particles.iter().fold(Position::ORIGIN, |sum, particle| sum + value(particle) * particle.weight)
         };
         let (place, velocity_m_per_s) = (mean(&|particle| particle.place), mean(&|particle| particle.velocity));
-        let axes = match self.settings.space {
-            Space::Plane => 2.0,
-            Space::Solid => 3.0,
-        };
         let mut covariance = AxisCovariance { place_m2: 0.0, cross_m2_per_s: 0.0, velocity_m2_per_s2: 0.0 };
         for particle in &self.particles {
             let (p, v) = (particle.place - place, particle.velocity - velocity_m_per_s);
-            let share = particle.weight / axes;
+            let share = particle.weight / 2.0;
             covariance.place_m2 += share * p.dot(p);
             covariance.cross_m2_per_s += share * p.dot(v);
             covariance.velocity_m2_per_s2 += share * v.dot(v);
@@ -190,7 +174,7 @@ impl ParticleFilter {
                     break;
                 }
                 place = place + velocity * until_turn_s;
-                velocity = self.in_ball(index, turn, Draw::Velocity) * self.settings.max_speed_m_per_s;
+                velocity = self.in_disc(index, turn, Draw::Velocity) * self.settings.max_speed_m_per_s;
                 left_s -= until_turn_s;
             }
             let acceleration = self.acceleration(index);
@@ -214,9 +198,7 @@ impl ParticleFilter {
         }
         let sum = detecting.iter().fold(Position::ORIGIN, |sum, &node| sum + node);
         let mut middle = sum * (1.0 / detecting.len() as f64);
-        if self.settings.space == Space::Plane {
-            middle.z_m = self.particles[0].place.z_m;
-        }
+        middle.z_m = self.particles[0].place.z_m;
         self.resets += 1;
         let weight = 1.0 / self.particles.len() as f64;
         self.particles =
@@ -271,32 +253,22 @@ impl ParticleFilter {
     fn drawn_about(&self, index: u32, middle: Position) -> Particle {
         let index = index as usize;
         Particle {
-            place: middle + self.in_ball(index, 0, Draw::Place) * self.settings.sensing_radius_m,
-            velocity: self.in_ball(index, MOST_TURNS, Draw::Velocity) * self.settings.max_speed_m_per_s,
+            place: middle + self.in_disc(index, 0, Draw::Place) * self.settings.sensing_radius_m,
+            velocity: self.in_disc(index, MOST_TURNS, Draw::Velocity) * self.settings.max_speed_m_per_s,
             weight: 0.0,
         }
     }
 
-    /// A point uniform in the unit disc, or in the unit ball.
-    fn in_ball(&self, index: usize, turn: u64, draw: Draw) -> Position {
-        let [share, azimuth, height] = [0, 1, 2].map(|part| self.uniform(index, turn, draw, part));
+    /// A point uniform in the unit disc.
+    fn in_disc(&self, index: usize, turn: u64, draw: Draw) -> Position {
+        let [share, azimuth] = [0, 1].map(|part| self.uniform(index, turn, draw, part));
         let azimuth_rad = TAU * azimuth;
-        let (radius, up) = match self.settings.space {
-            Space::Plane => (share.sqrt(), 0.0),
-            // The heights of uniform points on a sphere are uniform (Archimedes' hat-box theorem).
-            Space::Solid => (libm::cbrt(share), 2.0 * height - 1.0),
-        };
-        let level = (1.0 - up * up).sqrt();
-        Position::new(level * libm::cos(azimuth_rad), level * libm::sin(azimuth_rad), up) * radius
+        Position::new(libm::cos(azimuth_rad), libm::sin(azimuth_rad), 0.0) * share.sqrt()
     }
 
     fn acceleration(&self, index: usize) -> Position {
         let normal = |axis| self.seed.normal(purpose::SEARCH, self.address(index, 0, Draw::Acceleration, axis));
-        let z = match self.settings.space {
-            Space::Plane => 0.0,
-            Space::Solid => normal(2),
-        };
-        Position::new(normal(0), normal(1), z) * self.settings.acceleration_sigma_m_per_s2
+        Position::new(normal(0), normal(1), 0.0) * self.settings.acceleration_sigma_m_per_s2
     }
 
     fn uniform(&self, index: usize, turn: u64, draw: Draw, part: u64) -> f64 {
@@ -350,16 +322,14 @@ mod tests {
     }
 
     #[test]
-    fn first_places_and_velocities_fill_their_discs_and_balls() {
-        // Variance along an axis of a disc of radius r: r²/4; of a ball: r²/5.
-        for (space, divisor) in [(Space::Plane, 4.0), (Space::Solid, 5.0)] {
-            let settings = ParticleFilterSettings { particles: 20_000, space, ..ParticleFilterSettings::default() };
-            let state = ParticleFilter::new(settings, Seed(1), 3, Position::new(4.0, 2.0, 1.0)).state();
-            assert!(state.place.distance_m(Position::new(4.0, 2.0, 1.0)) < 0.03, "{}", state.place);
-            assert!((state.covariance.place_m2 * divisor / 2.25 - 1.0).abs() < 0.03, "{:?}", state.covariance);
-            assert!((state.covariance.velocity_m2_per_s2 * divisor / 2.25 - 1.0).abs() < 0.03);
-            assert!(space == Space::Solid || state.velocity_m_per_s.z_m.abs() <= 0.0);
-        }
+    fn first_places_and_velocities_fill_their_discs() {
+        let settings = ParticleFilterSettings { particles: 20_000, ..ParticleFilterSettings::default() };
+        let state = ParticleFilter::new(settings, Seed(1), 3, Position::new(4.0, 2.0, 1.0)).state();
+        assert!(state.place.distance_m(Position::new(4.0, 2.0, 1.0)) < 0.03, "{}", state.place);
+        // Variance along an axis of a disc of radius r: r²/4.
+        assert!((state.covariance.place_m2 * 4.0 / 2.25 - 1.0).abs() < 0.03, "{:?}", state.covariance);
+        assert!((state.covariance.velocity_m2_per_s2 * 4.0 / 2.25 - 1.0).abs() < 0.03);
+        assert!(state.velocity_m_per_s.z_m.abs() <= 0.0);
     }
 
     /// The distance between a target that walks through a lattice of nodes at 1.2 m/s and the state after `steps`.

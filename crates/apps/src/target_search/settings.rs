@@ -11,7 +11,7 @@ use super::config::{
     PathRule, PredictionConfig, RobustKalmanConfig, SearchMotion, WithoutNews, span,
 };
 use super::doubt::Doubt;
-use super::particle_filter::{ParticleFilterSettings, Space};
+use super::particle_filter::ParticleFilterSettings;
 use super::robust_kalman::RobustKalmanSettings;
 
 /// Allowed times of a step (s).
@@ -130,7 +130,6 @@ impl TargetSearch {
                     max_speed_m_per_s,
                     turns_per_s: written.turns_per_s,
                     acceleration_sigma_m_per_s2: written.acceleration_sigma_m_per_s2,
-                    space: Space::Plane,
                 };
                 Filter::Particles(settings.validated().map_err(|error| error.within("filter.particles"))?)
             }

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use sextant_kernel::NodeId;
-use sextant_sim::{
-    Application, Applications, Delivery, DriveEnd, NetworkId, Port, RobotBody, SendReport, Sensed, Timer,
-};
+use sextant_sim::{Application, Applications, RobotBody, pass_on};
 
 use super::node::{NodeSearchRecord, SearchNode};
 use super::outbox::MessageCounts;
@@ -82,50 +80,18 @@ impl SearchStation {
             Self::Sink(sink) => SearchRecord::Sink(sink.into_record()),
         }
     }
+}
 
-    fn application(&mut self) -> &mut dyn Application {
-        match self {
-            Self::Node(node) => node.as_mut(),
-            Self::Robot(robot) => robot.as_mut(),
-            Self::Sink(sink) => sink.as_mut(),
+macro_rules! held {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match $self {
+            Self::Node(node) => node.$method($($argument),*),
+            Self::Robot(robot) => robot.$method($($argument),*),
+            Self::Sink(sink) => sink.$method($($argument),*),
         }
-    }
+    };
 }
 
 impl Application for SearchStation {
-    fn hears(&self) -> bool {
-        true
-    }
-
-    fn senses(&self) -> bool {
-        matches!(self, Self::Node(_))
-    }
-
-    fn has_task(&self) -> bool {
-        matches!(self, Self::Robot(_))
-    }
-
-    fn started(&mut self, port: &mut Port<'_>) {
-        self.application().started(port);
-    }
-
-    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
-        self.application().timed(timer, port);
-    }
-
-    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        self.application().delivered(delivery, port);
-    }
-
-    fn sent(&mut self, network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
-        self.application().sent(network, report, port);
-    }
-
-    fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {
-        self.application().sensed(sensed, port);
-    }
-
-    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
-        self.application().drive_ended(end, port);
-    }
+    pass_on!(held);
 }

@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 /// A measured place of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fix {
+pub(crate) struct Fix {
     /// The place (m).
     pub place: Position,
     /// Variance of its error along each axis (m²), above 0.

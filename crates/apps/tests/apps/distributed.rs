@@ -16,8 +16,8 @@ use sextant_mapper::BearingTable;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Antennas, AntennasConfig, Applications, DmgRadio, Ieee80211ad, Ieee802154, Mac, Network, NetworkId, Observer,
-    Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, Simulation, Technology, TrafficPlan,
-    Unobserved, World,
+    PacketTrace, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, Simulation, Technology,
+    TrafficPlan, Unobserved, World,
 };
 
 /// Reach of the radios (m).
@@ -362,6 +362,40 @@ fn anchors_at_wrong_places_find_out_and_give_them_up() {
     }
     let (trust_m, doubt_m) = (trusting.mean_error_m(&with_trust), doubting.mean_error_m(&with_doubt));
     assert!(doubt_m < 0.9 * trust_m, "{trust_m} m, with doubt {doubt_m} m");
+}
+
+/// Counts the packets of each node that were on air.
+struct OnAir(Vec<u64>);
+
+impl Observer for OnAir {
+    fn traced(&mut self, packet: &PacketTrace) {
+        self.0[packet.source.index()] += u64::from(!packet.transmissions.is_empty());
+    }
+
+    fn wants_packets(&self) -> bool {
+        true
+    }
+}
+
+/// When the last node becomes an anchor, all is over, and what the new anchors have made is not sent.
+#[test]
+fn messages_that_never_go_out_do_not_count() {
+    for (has_sectors, repeats) in [(true, 1), (true, 3), (false, 1)] {
+        let settings = format!("window_s = 4.0\nmax_iterations = 1\nrepeats = {repeats}");
+        let scene = Scene { side: 5, anchor_every: 4, has_sectors, ..Scene::new(&settings) };
+        let mut on_air = OnAir(vec![0; 25]);
+        let records = scene.run(&mut on_air);
+        let is_new = |record: &&MappingRecord| matches!(record.role, MappingRole::NewAnchor { .. });
+        assert!(records.iter().any(|record| is_new(&record)));
+        if has_sectors {
+            // Each of them has made a PLACE.
+            assert!(records.iter().filter(is_new).all(|record| record.messages.place == 0));
+        }
+        for (record, &sent) in records.iter().zip(&on_air.0) {
+            assert_eq!(record.sent, sent);
+            assert_eq!(record.messages.total() * repeats, sent, "{:?}", record.messages);
+        }
+    }
 }
 
 #[test]

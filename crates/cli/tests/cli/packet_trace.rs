@@ -72,9 +72,12 @@ impl Traced {
             "not_listened",
             "lost_channel_access",
             "lost_queue",
+            "died",
             "pending",
         ] {
-            assert_eq!(fate(lost), count(lost), "{lost}");
+            // It is absent if there are none.
+            let told = if lost == "died" { traffic[lost].as_u64().unwrap_or(0) } else { count(lost) };
+            assert_eq!(fate(lost), told, "{lost}");
         }
         for deafness in ["transmitting", "asleep", "off"] {
             let deaf = packets.iter().filter(|packet| packet["deafness"] == deafness).count() as u64;
@@ -245,7 +248,16 @@ fn the_trace_of_sector_sweeps_is_the_summary_of_the_survey() {
     let folder = tempfile::tempdir().expect("there is room");
     let file = folder.path().join("sweeps.toml");
     fs::write(&file, crate::sector_sweeps::small_survey()).expect("there is room");
-    let traced = Traced::of(&file, &[]);
+    let all = sweeps_agree(&Traced::of(&file, &[]));
+    // Nodes die before the first sweep, or in the midst.
+    let some = sweeps_agree(&Traced::of(&file, &["faults.deaths={share=0.4,from_s=0.001,to_s=0.002}"]));
+    let fewer = sweeps_agree(&Traced::of(&file, &["faults.deaths={share=0.4,from_s=1.0,to_s=20.0}"]));
+    assert!(some < fewer && fewer < all, "{some}, {fewer}, {all}");
+}
+
+/// Compares all that the trace and the survey in the summary have in common. Returns the number of answers.
+#[track_caller]
+fn sweeps_agree(traced: &Traced) -> u64 {
     let gathering = &traced.summary["gathering"];
     let count = |key: &str| gathering[key].as_u64().unwrap_or_else(|| panic!("{key} in {gathering}"));
     let answers = traced.counted("");
@@ -256,10 +268,12 @@ fn the_trace_of_sector_sweeps_is_the_summary_of_the_survey() {
     for lost in ["lost_collision", "lost_signal", "out_of_range", "not_listened", "lost_channel_access", "pending"] {
         assert_eq!(fate(lost), count(lost), "{lost}");
     }
+    assert_eq!(fate("died"), gathering["died"].as_u64().unwrap_or(0));
     let sweeps: Vec<_> = traced.packets.iter().filter(|packet| packet["kind"] == "sweep").collect();
     assert_eq!(sweeps.len() as u64, count("sweeps"));
     // Sixteen sectors at two elevations.
     assert!(sweeps.iter().all(|packet| packet["transmissions"] == "32"), "{sweeps:?}");
+    count("packets_offered")
 }
 
 #[test]
@@ -330,4 +344,58 @@ fn the_hops_of_a_packet_are_its_way_along_the_tree() {
         assert!((etx - 1.0 / 0.49).abs() < 1e-9, "{edge:?}");
         assert_eq!(edge["changes"], "0");
     }
+}
+
+/// Number, mean and percentiles of the delays of packets over several hops, by the tables alone: from the offer at the origin to the
+/// end of the first frame that was received at the target, or at any sink.
+fn end_to_end(trace: &Traced, is_origin: impl Fn(usize) -> bool) -> Vec<f64> {
+    let tables = trace.folder.path().join("tables");
+    let hops = table(&tables.join("routing_hops.csv"));
+    let nodes = trace.summary["simulation"]["nodes"].as_u64().expect("a number") as usize;
+    let warm_up_s = trace.summary["mac"]["warm_up_s"].as_f64().unwrap_or(0.0);
+    let packets: BTreeMap<&str, _> = trace.packets.iter().map(|packet| (&*packet["packet"], packet)).collect();
+    let mut arrivals: BTreeMap<(&str, &str, &str), f64> = BTreeMap::new();
+    for hop in &hops {
+        let packet = packets[&*hop["packet"]];
+        let offered_s: f64 = hop["origin_offered_s"].parse().expect("a time");
+        assert!(offered_s <= packet["offered_s"].parse().expect("a time"), "{hop:?}");
+        let to: usize = packet["destination"].parse().expect("a station");
+        let is_there = if hop["target"].is_empty() { to >= nodes } else { hop["target"] == packet["destination"] };
+        let counts = offered_s >= warm_up_s && is_origin(hop["origin"].parse().expect("a station"));
+        if let (true, Ok(delivered_s)) = (is_there && counts, packet["delivered_s"].parse::<f64>()) {
+            let identity = (&*hop["origin"], &*hop["number"], &*hop["origin_offered_s"]);
+            let first_s = arrivals.entry(identity).or_insert(f64::INFINITY);
+            *first_s = first_s.min(delivered_s - offered_s);
+        }
+    }
+    let mut delays_s: Vec<f64> = arrivals.into_values().collect();
+    delays_s.sort_by(f64::total_cmp);
+    delays_s
+}
+
+#[track_caller]
+fn assert_delays(delays_s: &[f64], told: &Value) {
+    assert_eq!(delays_s.len() as u64, told["delivered"].as_u64().expect("a number"));
+    assert!(delays_s.len() > 50, "{}", delays_s.len());
+    let mean_s = delays_s.iter().sum::<f64>() / delays_s.len() as f64;
+    let percentile_s = |percent: usize| delays_s[(percent * delays_s.len()).div_ceil(100) - 1];
+    for (key, found_s) in [("mean", mean_s), ("p50", percentile_s(50)), ("p99", percentile_s(99))] {
+        let told_s = told["delay_s"][key].as_f64().expect("a number");
+        assert!((found_s - told_s).abs() < 1e-8, "{key}: {found_s}, not {told_s}");
+    }
+}
+
+#[test]
+fn delays_over_several_hops_are_those_of_the_trace() {
+    // Queues are long, so that packets wait before their first hop.
+    let waits = ["duration_s=60", "warm_up_s=20", "traffic.periodic.interval_s=0.15"];
+    let given = Traced::of(&scenario("routing/given-tree.toml"), &waits);
+    let delays_s = end_to_end(&given, |_| true);
+    assert_delays(&delays_s, &given.summary["routing"]);
+    let both = Traced::of(&scenario("routing/requests-and-answers.toml"), &["duration_s=600"]);
+    let nodes = both.summary["simulation"]["nodes"].as_u64().expect("a number") as usize;
+    assert_delays(&end_to_end(&both, |origin| origin < nodes), &both.summary["routing"]);
+    assert_delays(&end_to_end(&both, |origin| origin >= nodes), &both.summary["routing"]["answers"]);
+    let slots = Traced::of(&scenario("batteries/slots-tree.toml"), &["duration_s=2400"]);
+    assert_delays(&end_to_end(&slots, |_| true), &slots.summary["routing"]);
 }

@@ -71,7 +71,7 @@ pub struct MappedNodeMessage {
     /// The last iteration in which its place or its role changed.
     #[prost(uint32, tag = "21")]
     pub last_change: u32,
-    /// PLACE messages that it made.
+    /// PLACE messages that it sent at least once.
     #[prost(uint64, tag = "22")]
     pub place_messages: u64,
     /// REPORT messages.
@@ -86,10 +86,10 @@ pub struct MappedNodeMessage {
     /// Octets of all of them.
     #[prost(uint64, tag = "26")]
     pub octets: u64,
-    /// Messages given to the link, repeats included.
+    /// Frames with messages that were sent, repeats included.
     #[prost(uint64, tag = "27")]
     pub sent: u64,
-    /// Messages that the link did not take.
+    /// Those that the link did not take, or gave up because the channel was busy.
     #[prost(uint64, tag = "28")]
     pub unsent: u64,
     /// Frames received, one for each sector heard.

@@ -47,15 +47,15 @@ pub struct PacketMessage {
     /// Number of transmissions.
     #[prost(uint32, tag = "13")]
     pub transmissions: u32,
-    /// How the link ended its work: `sent`, `acknowledged`, `no_acknowledgement`, `channel_access_failure`, `queue_full`
-    /// or `pending`.
+    /// How the link ended its work: `sent`, `acknowledged`, `no_acknowledgement`, `channel_access_failure`, `queue_full`,
+    /// `died` or `pending`.
     #[prost(string, tag = "14")]
     pub end: String,
     /// When it did; the end of the simulation if `pending` (ns).
     #[prost(uint64, tag = "15")]
     pub ended_ns: u64,
     /// As what it counts in the summary: `received`, `lost_collision`, `lost_signal`, `out_of_range`, `not_listened`,
-    /// `lost_channel_access`, `lost_queue` or `pending`.
+    /// `lost_channel_access`, `lost_queue`, `died` or `pending`.
     #[prost(string, tag = "16")]
     pub fate: String,
     /// Why no receiver listened, if the fate is `not_listened`: `transmitting`, `asleep` or `off`; empty otherwise.

@@ -23,6 +23,9 @@ pub struct HopMessage {
     /// Index of the station where it should arrive; absent if that may be any sink.
     #[prost(uint32, optional, tag = "5")]
     pub target: Option<u32>,
+    /// When its origin had it (ns of simulated time): before it waited in the queues of stations.
+    #[prost(uint64, tag = "6")]
+    pub origin_offered_ns: u64,
 }
 
 /// A node in the tree at the end.
@@ -55,6 +58,7 @@ recorded! {
     "sextant_routing.proto";
     HopMessage = "Hop": [
         "packet" = 1 Uint64, "origin" = 2 Uint32, "number" = 3 Uint32, "hops" = 4 Uint32, "target" = 5 OptionalUint32,
+        "origin_offered_ns" = 6 Uint64,
     ];
     TreeEdgeMessage = "TreeEdge": [
         "node" = 1 Uint32, "parent" = 2 String, "depth" = 3 OptionalUint32, "etx" = 4 OptionalDouble,

@@ -57,7 +57,7 @@ fn check_others(config: &ScenarioConfig, errors: &mut Errors) {
 
 /// Refuses a MAC by which stations do not hear each other at any time, or that has no acknowledgements.
 fn check_mac(networks: &Networks<'_>, tree: &TreeConfig, errors: &mut Errors) {
-    let tables = networks.tables(NetworkId::default());
+    let tables = networks.network(NetworkId::default());
     let is_built = tree.is_built();
     let why = "because each hop is acknowledged, and nodes must hear each other at any time";
     let only = format!("`csma_unslotted`, `tsch` or `sleep`, {why}");

@@ -1,4 +1,4 @@
-//! Packets that cannot arrive: no cell leads to their destination, or they are due after the end.
+//! Packets that cannot arrive, or do not count: no cell leads to their destination, they are due in the warm-up, or after the end.
 
 use std::collections::BTreeMap;
 
@@ -37,29 +37,46 @@ impl Warnings<'_> {
         }
     }
 
-    /// Packets that are due after the end of the run.
+    /// Packets that are due after the end of the run, and nodes whose packets all are due outside the time that counts.
     pub(super) fn late_packets(&mut self, reach: &Reach<'_>) {
         let Some(duration) = self.setup.duration else { return };
         let end = SimTime::ZERO + duration;
         let end_s = duration.as_secs_f64();
-        let mut late: BTreeMap<String, Vec<NodeId>> = BTreeMap::new();
-        for node in self.setup.late_nodes(reach.id, end) {
-            if let Some(traffic) = reach.network.traffic.of(node).filter(|traffic| traffic.listed(end).is_none()) {
-                late.entry(traffic.key().to_owned()).or_default().push(node);
-            }
-        }
-        for (key, nodes) in late {
-            if let Some(nodes) = self.first_of(&nodes) {
-                let message =
-                    format!("{nodes} has its first packet after the end of the run, at {end_s} s, and sends nothing");
-                self.warn(key, message);
-            }
-        }
+        let is_listed = |node: &NodeId| {
+            let traffic = reach.network.traffic.of(*node);
+            traffic.is_some_and(|traffic| traffic.listed(end).is_some())
+        };
+        let late = self.setup.late_nodes(reach.id, end).filter(|node| !is_listed(node)).collect();
+        self.each_kind(
+            reach,
+            late,
+            &format!("its first packet after the end of the run, at {end_s} s, and sends nothing"),
+        );
+        let warm_up = self.scenario.warm_up();
+        let uncounted = self.setup.uncounted_nodes(reach.id, SimTime::ZERO + warm_up, end).collect();
+        let span =
+            format!("the end of the warm-up, at {} s, and that of the run, at {end_s} s", warm_up.as_secs_f64());
+        self.each_kind(reach, uncounted, &format!("no packet between {span}: nothing of it counts"));
         for traffic in reach.network.traffic.kinds() {
             if let Some([all, late]) = traffic.listed(end).filter(|[_, late]| *late > 0) {
                 let all = counted(all, "packet");
                 let message = format!("{late} of {all} of the table are due after the end of the run, at {end_s} s");
                 self.warn(traffic.key(), message);
+            }
+        }
+    }
+
+    /// Says what these nodes have, for each kind of their traffic.
+    fn each_kind(&mut self, reach: &Reach<'_>, nodes: Vec<NodeId>, what: &str) {
+        let mut by_key: BTreeMap<&str, Vec<NodeId>> = BTreeMap::new();
+        for node in nodes {
+            if let Some(traffic) = reach.network.traffic.of(node) {
+                by_key.entry(traffic.key()).or_default().push(node);
+            }
+        }
+        for (key, nodes) in by_key {
+            if let Some(nodes) = self.first_of(&nodes) {
+                self.warn(key, format!("{nodes} has {what}"));
             }
         }
     }

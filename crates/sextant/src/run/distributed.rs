@@ -173,7 +173,7 @@ fn orientation_error_deg(
 }
 
 /// Energy of the messages by the formulas of the thesis (eq. 5.9 and 5.10), with frames of the mean size of the messages
-/// that were made (J). The anchors and stops heard are means over the nodes; the anchors are the initial ones.
+/// that were sent (J). The anchors and stops heard are means over the nodes; the anchors are the initial ones.
 fn message_energy_j(scenario: &Scenario, map: &NodeMapJob, nodes: &[MappingRecord]) -> Option<f64> {
     let messages: u64 = nodes.iter().map(|node| node.messages.total()).sum();
     let octets: u64 = nodes.iter().map(|node| node.messages.octets).sum();

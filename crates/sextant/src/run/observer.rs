@@ -147,89 +147,38 @@ pub struct MissionEnd<'a> {
     pub performance: &'a Performance,
 }
 
-impl RunObserver for () {}
+/// Writes the observers that pass each stage of a run on to others.
+macro_rules! each_stage {
+    ($($name:ident($argument:ident: $kind:ty));* $(;)?) => {
+        impl RunObserver for () {}
 
-impl<O: RunObserver + ?Sized> RunObserver for &mut O {
-    fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
-        (**self).run_started(start)
-    }
+        impl<O: RunObserver + ?Sized> RunObserver for &mut O {
+            $(fn $name(&mut self, $argument: $kind) -> Result<(), RunError> {
+                (**self).$name($argument)
+            })*
+        }
 
-    fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
-        (**self).simulation_started(start)
-    }
+        impl<O: RunObserver> RunObserver for Option<O> {
+            $(fn $name(&mut self, $argument: $kind) -> Result<(), RunError> {
+                self.as_mut().map_or(Ok(()), |observer| observer.$name($argument))
+            })*
+        }
 
-    fn survey_finished(&mut self, end: &SurveyEnd<'_>) -> Result<(), RunError> {
-        (**self).survey_finished(end)
-    }
-
-    fn map_finished(&mut self, map: &MapEnd<'_>) -> Result<(), RunError> {
-        (**self).map_finished(map)
-    }
-
-    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
-        (**self).mission_finished(end)
-    }
-
-    fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
-        (**self).run_finished(summary)
-    }
+        /// Both are called, the first one first, also if it fails; the first error counts.
+        impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
+            $(fn $name(&mut self, $argument: $kind) -> Result<(), RunError> {
+                let first = self.0.$name($argument);
+                first.and(self.1.$name($argument))
+            })*
+        }
+    };
 }
 
-impl<O: RunObserver> RunObserver for Option<O> {
-    fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.run_started(start))
-    }
-
-    fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.simulation_started(start))
-    }
-
-    fn survey_finished(&mut self, end: &SurveyEnd<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.survey_finished(end))
-    }
-
-    fn map_finished(&mut self, map: &MapEnd<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.map_finished(map))
-    }
-
-    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.mission_finished(end))
-    }
-
-    fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
-        self.as_mut().map_or(Ok(()), |observer| observer.run_finished(summary))
-    }
-}
-
-/// Both are called, the first one first, also if it fails; the first error counts.
-impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
-    fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
-        let first = self.0.run_started(start);
-        first.and(self.1.run_started(start))
-    }
-
-    fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
-        let first = self.0.simulation_started(start);
-        first.and(self.1.simulation_started(start))
-    }
-
-    fn survey_finished(&mut self, end: &SurveyEnd<'_>) -> Result<(), RunError> {
-        let first = self.0.survey_finished(end);
-        first.and(self.1.survey_finished(end))
-    }
-
-    fn map_finished(&mut self, map: &MapEnd<'_>) -> Result<(), RunError> {
-        let first = self.0.map_finished(map);
-        first.and(self.1.map_finished(map))
-    }
-
-    fn mission_finished(&mut self, end: &MissionEnd<'_>) -> Result<(), RunError> {
-        let first = self.0.mission_finished(end);
-        first.and(self.1.mission_finished(end))
-    }
-
-    fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
-        let first = self.0.run_finished(summary);
-        first.and(self.1.run_finished(summary))
-    }
+each_stage! {
+    run_started(start: &RunStart<'_>);
+    simulation_started(start: &SimulationStart<'_>);
+    survey_finished(end: &SurveyEnd<'_>);
+    map_finished(map: &MapEnd<'_>);
+    mission_finished(end: &MissionEnd<'_>);
+    run_finished(summary: &Summary);
 }

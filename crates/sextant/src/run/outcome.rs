@@ -63,8 +63,30 @@ fn of_survey(scenario: &Scenario, simulated: &Simulated) -> Summary {
         sensing: sensing(scenario, survey),
         gathering: has_robots.then(|| gathering(scenario, simulated)),
         faults: faults(scenario, survey),
+        notes: notes(scenario, simulated),
         ..Summary::default()
     }
+}
+
+/// Networks of whose traffic nothing is measured, because no packet was due in the time that counts.
+fn notes(scenario: &Scenario, simulated: &Simulated) -> Vec<String> {
+    let Simulated { survey, routing, .. } = simulated;
+    let nodes = scenario.world().nodes.len();
+    let networks = scenario.networks().iter().zip(&survey.networks);
+    let is_empty = |(network, record): &(&Network, &NetworkRecord)| {
+        let offered: u64 = match routing {
+            Some(routing) => routing.stations[..nodes].iter().map(|station| station.packets.offered).sum(),
+            None => record.packets[..nodes].iter().map(|packets| packets.offered).sum(),
+        };
+        offered == 0 && !survey.interrupted && network.traffic.kinds().any(|traffic| !traffic.is_silent())
+    };
+    let warm_up_s = scenario.warm_up().as_secs_f64();
+    let after = if warm_up_s > 0.0 { format!(" after the warm-up of {warm_up_s} s") } else { String::new() };
+    let note = |(network, _): (&Network, &NetworkRecord)| {
+        let place = network.name.as_ref().map_or(String::new(), |name| format!("network {name}: "));
+        format!("{place}no node had a packet{after}, so nothing is measured of its traffic")
+    };
+    networks.filter(is_empty).map(note).collect()
 }
 
 /// Which part of the nodes' traffic was simulated; `None` if all, as the scenario asks for.

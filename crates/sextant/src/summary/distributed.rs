@@ -91,7 +91,7 @@ pub struct OrientationErrorSummary {
     pub p90: f64,
 }
 
-/// The messages of the nodes.
+/// The messages that nodes sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MessagesSummary {
     /// PLACE: an anchor asks other anchors in which of its sectors they hear it.
@@ -106,7 +106,7 @@ pub struct MessagesSummary {
     pub octets: u64,
     /// Mean number of messages of a node, of all kinds, repeats not counted.
     pub mean_per_node: f64,
-    /// Messages given to the link, each repeat counted.
+    /// Frames with messages that were sent, each repeat counted.
     pub sent: u64,
     /// Messages that were never sent because the queue of the link was full.
     pub lost_queue: u64,

@@ -40,11 +40,11 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-fn share(share: Option<f64>) -> String {
+pub(super) fn share(share: Option<f64>) -> String {
     share.map_or_else(|| "-".to_owned(), |share| format!("{:.2} %", 100.0 * share))
 }
 
-fn milliseconds(seconds: Option<f64>) -> String {
+pub(super) fn milliseconds(seconds: Option<f64>) -> String {
     seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.3} ms", 1e3 * seconds))
 }
 

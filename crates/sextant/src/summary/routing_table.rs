@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use super::battery::days;
 use super::mac::DelaySummary;
+use super::mac_table::{milliseconds, share};
 use super::routing::{DepthSummary, RoutingSummary};
 use super::rpl::RplSummary;
 use crate::columns::{Align, columns};
@@ -42,14 +43,6 @@ pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Resul
     let align = vec![Align::Right; lines[0].len()];
     columns(&lines, &align, out)?;
     writeln!(out)
-}
-
-fn share(share: Option<f64>) -> String {
-    share.map_or_else(|| "-".to_owned(), |share| format!("{:.2} %", 100.0 * share))
-}
-
-fn milliseconds(seconds: Option<f64>) -> String {
-    seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.3} ms", 1e3 * seconds))
 }
 
 fn decimals(number: Option<f64>) -> String {

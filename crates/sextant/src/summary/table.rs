@@ -16,7 +16,7 @@ use super::routing_table;
 use super::timing::Timing;
 use super::tracks;
 use crate::columns::{Align, columns};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{counted, listed};
 
 /// Writes `summary` as a table.
 ///
@@ -63,6 +63,15 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
             writeln!(out, "traffic to sinks")?;
         }
         mac_table::write(mac, out)?;
+    }
+    // Those of logs are told beside their table.
+    for note in summary.notes.iter().filter(|_| summary.simulation.is_some()) {
+        writeln!(out, "warning: {note}\n")?;
+    }
+    let deaths = summary.faults.as_ref().and_then(|faults| faults.deaths.as_ref());
+    if let Some(deaths) = deaths.filter(|deaths| !deaths.is_empty()) {
+        let (nodes, who) = (counted(deaths.len(), "node"), listed(deaths));
+        writeln!(out, "{nodes} died, and offered no packets from then on: {who}\n")?;
     }
     if let Some(battery) = &summary.battery {
         battery::write(battery, out)?;

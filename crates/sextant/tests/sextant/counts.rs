@@ -1,8 +1,13 @@
 //! Counts that hold together, whatever the channel access: each packet in one class, what a transmission is, and who is in a mean.
 
+use std::time::Duration;
+
 use sextant::summary::{MacSummary, TrafficSummary};
-use sextant::{Scenario, Unwatched, explain_link};
-use sextant_sim::{FrameOutcome, Observer, PacketEnd, PacketFate, PacketTrace};
+use sextant::{Programs, Scenario, Unwatched, explain_link};
+use sextant_sim::{
+    Application, Destination, FrameId, FrameOutcome, NetworkId, Observer, PacketEnd, PacketFate, PacketTrace, Port,
+    RadioEvent, RadioFrame, SendOutcome, Timer,
+};
 
 use crate::star::{star, summary};
 
@@ -21,6 +26,7 @@ fn assert_sums(all: &TrafficSummary, what: &str) {
 /// Counts packets as their traces say.
 #[derive(Default)]
 struct Traced {
+    offered: u64,
     died: u64,
     received: u64,
     sent: u64,
@@ -33,6 +39,7 @@ impl Observer for Traced {
             return;
         }
         assert_eq!(packet.fate == PacketFate::Died, packet.end == PacketEnd::Died && packet.delivered.is_none());
+        self.offered += 1;
         self.died += u64::from(packet.fate == PacketFate::Died);
         self.received += u64::from(packet.fate == PacketFate::Sent(FrameOutcome::Received));
         self.sent += u64::from(!packet.transmissions.is_empty());
@@ -205,6 +212,92 @@ fn the_probability_of_a_link_is_the_share_that_a_run_delivers() {
     }
 }
 
+/// `far` is out of everybody's reach, and `dead` dies before its first packet: the one is in the denominator, the other has none.
+#[test]
+fn a_node_that_nobody_hears_counts_and_one_that_died_before_its_first_packet_does_not() {
+    let acknowledged = "{ mpdu_octets = 50, interval_s = 4.0, acknowledged = true }";
+    let to_all = "{ mpdu_octets = 50, interval_s = 4.0 }";
+    for (table, traffic) in [
+        ("csma_unslotted = {}", acknowledged),
+        ("csma_unslotted = {}", to_all),
+        ("beacon_enabled = { beacon_order = 4, superframe_order = 3 }", acknowledged),
+        ("tsch.schedule.minimal.slotframe = 5", acknowledged),
+        ("tsch.schedule.minimal.slotframe = 5", to_all),
+        ("sleep = { interval_s = 0.25, sinks = \"sleep\", wake_up.csl = {} }", acknowledged),
+        ("sleep = { interval_s = 0.25, sinks = \"sleep\", wake_up.csl = {} }", to_all),
+        ("sleep = { interval_s = 0.25, sinks = \"sleep\", wake_up.x_mac = {} }", acknowledged),
+        ("sleep = { interval_s = 0.25, sinks = \"sleep\", wake_up.repeated_data = {} }", to_all),
+    ] {
+        let rest = format!(
+            "duration_s = 200.0\nchannel.max_range_m = 50.0\nmac.{table}\ntraffic.periodic = {traffic}\n\
+             faults.deaths = {{ names = [\"n2\"], from_s = 1e-6, to_s = 1e-6 }}\n"
+        );
+        let mut traced = Traced::default();
+        let run = sextant::run(&star(&[1.0, 1e4, 2.0], &rest), &mut traced, &Unwatched).expect("a run");
+        let mac = run.summary().mac.as_ref().expect("sinks");
+        let [near, far, dead] = &mac.nodes[..] else { panic!("three nodes") };
+        assert_sums(&mac.all, &rest);
+        assert_eq!((dead.traffic.offered, dead.traffic.prr), (0, None), "{rest}");
+        assert!(
+            far.traffic.offered >= 49 && far.traffic.pending <= 1 && far.traffic.prr == Some(0.0),
+            "{rest}: {far:?}"
+        );
+        let offered = near.traffic.offered + far.traffic.offered;
+        assert_eq!((mac.all.offered, mac.all.died), (offered, 0), "{rest}");
+        let over = (offered - near.traffic.pending - far.traffic.pending) as f64;
+        assert_eq!(mac.all.prr, Some(near.traffic.delivered as f64 / over), "{rest}");
+        assert!(near.traffic.prr > Some(0.9), "{rest}: {near:?}");
+        assert_eq!((traced.offered, traced.received, traced.died), (offered, near.traffic.delivered, 0), "{rest}");
+        let mut printed = Vec::new();
+        sextant::summary::write(run.summary(), &mut printed).expect("memory");
+        let printed = String::from_utf8(printed).expect("a text");
+        let share = format!("{:.2} %", 100.0 * mac.all.prr.expect("a share"));
+        assert!(printed.contains(&share) && printed.contains("1 node died, and offered no packets from then on: n2"));
+    }
+}
+
+/// Sends a packet each second without looking at the channel.
+struct Aloha(Option<FrameId>);
+
+impl Application for Aloha {
+    fn started(&mut self, port: &mut Port<'_>) {
+        port.after(Duration::from_secs(1), Timer(0));
+    }
+
+    fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
+        let mut radio = port.radio(NetworkId(0)).expect("a program commands the radio");
+        self.0 = radio.offer(Destination::All, 9).ok();
+        let frame = RadioFrame { to: Destination::All, payload: b"a reading", acknowledged: false, packet: self.0 };
+        radio.transmit(frame).expect("the radio is free");
+        port.after(Duration::from_secs(1), Timer(0));
+    }
+
+    fn radio(&mut self, network: NetworkId, event: &RadioEvent<'_>, port: &mut Port<'_>) {
+        if let (RadioEvent::Sent { .. }, Some(packet)) = (event, self.0.take()) {
+            let _ = port.radio(network).and_then(|mut radio| radio.done(packet, SendOutcome::Sent));
+        }
+    }
+}
+
+/// The same for nodes whose programs command their radios.
+#[test]
+fn packets_of_programs_that_nobody_hears_count_too() {
+    let rest = "duration_s = 100.5\nchannel.max_range_m = 50.0\nmac.program = {}\n\
+                faults.deaths = { names = [\"n2\"], from_s = 0.5, to_s = 0.5 }\n";
+    let scenario = star(&[1.0, 1e4, 2.0], rest);
+    let programs = ["n0", "n1", "n2"]
+        .into_iter()
+        .fold(Programs::default(), |programs, node| programs.with_node(node, Box::new(Aloha(None))));
+    let mut traced = Traced::default();
+    let run = sextant::run_with(&scenario, programs, &mut traced, &Unwatched).expect("a run");
+    let mac = run.summary().mac.as_ref().expect("sinks");
+    assert_sums(&mac.all, rest);
+    let of = |node: usize| (mac.nodes[node].traffic.offered, mac.nodes[node].traffic.prr);
+    assert_eq!([of(0), of(1), of(2)], [(100, Some(1.0)), (100, Some(0.0)), (0, None)]);
+    assert_eq!((mac.all.offered, mac.all.prr, mac.all.out_of_range), (200, Some(0.5), 100));
+    assert_eq!((traced.offered, traced.received), (200, 100));
+}
+
 fn warned(scenario: &Scenario) -> Vec<String> {
     sextant::forecast::warnings(scenario).iter().map(ToString::to_string).collect()
 }
@@ -274,4 +367,71 @@ fn packets_that_are_due_after_the_end_are_a_warning() {
     };
     assert_warned(&once(9.5), &["traffic.once", "`n0` has its first packet after the end of the run"]);
     assert_eq!(warned(&once(8.5)), [""; 0]);
+}
+
+#[test]
+fn packets_that_are_all_due_in_the_warm_up_are_a_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("t.csv"), "t_s,node,mpdu_octets\n1,n0,30\n1,n1,30\n6,n1,30\n9,n0,30\n")
+        .expect("a file");
+    let path = format!("{:?}", folder.path().join("t.csv"));
+    let timed = |duration_s: f64, traffic: &str| {
+        let rest = format!("duration_s = {duration_s:?}\nwarm_up_s = 5.0\ntraffic.{traffic}\n");
+        star(&[1.0, 2.0], &rest)
+    };
+    let once = |at_s: f64| timed(9.0, &format!("once = {{ mpdu_octets = 30, at_s = {at_s:.1} }}"));
+    let poisson = |rate_per_s: f64| timed(5.01, &format!("poisson.rate_per_s = {rate_per_s}"));
+    let between = "has no packet between the end of the warm-up, at 5 s, and that of the run, at";
+    assert_warned(&once(4.5), &["traffic.once", "`n0` (and 1 node more)", between, "nothing of it counts"]);
+    assert!(warned(&poisson(0.9)).iter().any(|warning| warning.contains(between)), "{:?}", warned(&poisson(0.9)));
+    for fine in [once(5.0), once(8.5), poisson(9000.0), timed(5.01, "saturated = { mpdu_octets = 30 }")] {
+        assert_eq!(warned(&fine), [""; 0]);
+    }
+    let listed = timed(9.0, "silent = {}").with("traffic", format!("{{ trace.file = {path} }}")).expect("a table");
+    let of_nodes =
+        |found: Vec<String>| found.into_iter().filter(|warning| warning.contains(between)).collect::<Vec<_>>();
+    let found = of_nodes(warned(&listed));
+    assert!(found.len() == 1 && found[0].contains("`n0` has no packet"), "{found:?}");
+    // The run says so too, where none counts, and not where the traffic is meant to be silent.
+    let note = "no node had a packet after the warm-up of 5 s, so nothing is measured of its traffic";
+    let empty = summary(&once(4.5));
+    assert_eq!(empty.notes, [note]);
+    let mut printed = Vec::new();
+    sextant::summary::write(&empty, &mut printed).expect("memory");
+    assert!(String::from_utf8(printed).expect("a text").contains(&format!("warning: {note}")));
+    for fine in [once(8.5), timed(9.0, "silent = {}")] {
+        assert_eq!(summary(&fine).notes, [""; 0]);
+    }
+    let late = star(&[1.0], "duration_s = 9.0\ntraffic.once = { mpdu_octets = 30, at_s = 9.5 }\n");
+    assert_eq!(summary(&late).notes, ["no node had a packet, so nothing is measured of its traffic"]);
+}
+
+/// A MAC without a queue often refuses beacons: those never go out.
+#[test]
+fn beacons_that_the_mac_refused_do_not_count() {
+    #[derive(Default)]
+    struct Beacons {
+        taken: u64,
+        refused: u64,
+    }
+    impl Observer for Beacons {
+        fn traced(&mut self, packet: &PacketTrace) {
+            if packet.to == Destination::All {
+                *if packet.end == PacketEnd::QueueFull { &mut self.refused } else { &mut self.taken } += 1;
+            }
+        }
+
+        fn wants_packets(&self) -> bool {
+            true
+        }
+    }
+    impl sextant::RunObserver for Beacons {}
+    let rest = "duration_s = 60.0\nmac.csma_unslotted = { rx_on_when_idle = true, queue_frames = 0 }\n\
+                routing.tree.collection = { beacon_max_s = 1.0 }\n\
+                traffic.periodic = { mpdu_octets = 100, interval_s = 0.03 }\n";
+    let mut beacons = Beacons::default();
+    let run = sextant::run(&star(&[1.0, 2.0], rest), &mut beacons, &Unwatched).expect("a run");
+    let told = run.summary().routing.as_ref().expect("hops").beacons;
+    assert!(beacons.refused > 5, "{} refused", beacons.refused);
+    assert_eq!(told, beacons.taken);
 }

@@ -2,6 +2,7 @@
 //! and its clock; a robot's also its odometry and its range sensors.
 
 mod ideal;
+mod pass_on;
 mod pointer;
 mod port;
 mod radio;

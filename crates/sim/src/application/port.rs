@@ -358,6 +358,11 @@ impl Port<'_> {
         self.model.notes.push(Note::Estimated(self.station, estimate));
     }
 
+    /// Tells the observer that a packet over several hops begins here now, with this number among those of the station.
+    pub fn tell_origin(&mut self, number: u16) {
+        self.model.notes.push(Note::Originated(self.station, number));
+    }
+
     /// The targets that are truly within `reach_m` of the station now, by number: what it can touch.
     #[must_use]
     pub fn targets_within(&self, reach_m: f64) -> Vec<TargetId> {

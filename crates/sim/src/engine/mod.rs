@@ -174,13 +174,10 @@ impl<A: Application> Engine<A> {
             }
         }
         self.wake();
+        let stopped = !self.model.notes.is_empty() && self.model.tell(&mut self.logs, observer);
         if !self.model.scene.traced.is_empty() {
             self.model.tell_packets(observer);
         }
-        if self.model.notes.is_empty() {
-            return true;
-        }
-        let stopped = self.model.tell(&mut self.logs, observer);
         !stopped || observer.goes_on(self.progress())
     }
 

@@ -73,6 +73,8 @@ pub(crate) enum Note {
     Depleted(NodeId),
     /// A station has worked out something.
     Estimated(StationId, Estimate),
+    /// A packet over several hops begins at a station, with this number.
+    Originated(StationId, u16),
 }
 
 impl Model {
@@ -114,6 +116,7 @@ impl Model {
                 }
                 Note::Depleted(node) => observer.depleted(node, now),
                 Note::Estimated(station, estimate) => observer.estimated(station, now, &estimate),
+                Note::Originated(station, number) => observer.originated(station, number, now),
                 Note::Stopped(network, stop, heard) => {
                     stopped = true;
                     logs.stop(network, stop, heard, |index, stop, heard| {

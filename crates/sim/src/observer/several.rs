@@ -3,7 +3,7 @@
 use sextant_channel::{Contact, HeardAtStop, Position, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
-use super::{FrameOnAir, Observer, Progress};
+use super::{FrameOnAir, Observer, Progress, RememberingObserver};
 use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::packet_trace::PacketTrace;
@@ -32,6 +32,25 @@ macro_rules! each_event {
 
             fn goes_on(&mut self, progress: Progress) -> bool {
                 (**self).goes_on(progress)
+            }
+        }
+
+        /// Passes everything on, but remembers whether the observer wants frames.
+        impl Observer for RememberingObserver<'_> {
+            $(fn $name(&mut self, $($argument: $kind),*) {
+                self.observer.$name($($argument),*);
+            })*
+
+            fn wants_frames(&self) -> bool {
+                self.wants_frames
+            }
+
+            fn wants_packets(&self) -> bool {
+                self.observer.wants_packets()
+            }
+
+            fn goes_on(&mut self, progress: Progress) -> bool {
+                self.observer.goes_on(progress)
             }
         }
 
@@ -86,6 +105,7 @@ each_event! {
     met(contact: Contact);
     stopped(network: NetworkId, index: u32, stop: &Stop, end: SimTime, heard: HeardAtStop<'_>);
     estimated(station: StationId, time: SimTime, estimate: &Estimate);
+    originated(station: StationId, number: u16, time: SimTime);
     target_moved(target: TargetId, time: SimTime, position: Position);
     captured(robot: usize, target: TargetId, time: SimTime);
     target_gone(target: TargetId, time: SimTime);

@@ -23,9 +23,4 @@ impl DueFrames {
     }
 }
 
-impl std::ops::AddAssign for DueFrames {
-    fn add_assign(&mut self, other: Self) {
-        self.frames += other.frames;
-        self.octets += other.octets;
-    }
-}
+crate::sum_fields!(DueFrames { frames, octets });

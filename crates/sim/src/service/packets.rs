@@ -157,66 +157,30 @@ fn part(number: u64, count: u64, whole: u64) -> u64 {
     u64::try_from((number * count + whole / 2) / whole).unwrap_or(u64::MAX)
 }
 
-impl std::ops::AddAssign for Packets {
-    fn add_assign(&mut self, other: Self) {
-        // Without `..`, so that no field is forgotten.
-        let Self {
-            offered,
-            sent,
-            received,
-            lost_collision,
-            lost_channel_access,
-            lost_queue,
-            lost_signal,
-            out_of_range,
-            not_listened,
-            not_listened_transmitting,
-            not_listened_asleep,
-            not_listened_off,
-            died,
-            pending,
-            channel_access_failures,
-            transmissions,
-            assessments,
-            unacknowledged,
-            octets_received,
-            reports_asked,
-            reports_received,
-            not_simulated,
-        } = other;
-        self.offered += offered;
-        self.sent += sent;
-        self.received += received;
-        self.lost_collision += lost_collision;
-        self.lost_channel_access += lost_channel_access;
-        self.lost_queue += lost_queue;
-        self.lost_signal += lost_signal;
-        self.out_of_range += out_of_range;
-        self.not_listened += not_listened;
-        self.not_listened_transmitting += not_listened_transmitting;
-        self.not_listened_asleep += not_listened_asleep;
-        self.not_listened_off += not_listened_off;
-        self.died += died;
-        self.pending += pending;
-        self.channel_access_failures += channel_access_failures;
-        self.transmissions += transmissions;
-        self.assessments += assessments;
-        self.unacknowledged += unacknowledged;
-        self.octets_received += octets_received;
-        self.reports_asked += reports_asked;
-        self.reports_received += reports_received;
-        self.not_simulated += not_simulated;
-    }
-}
-
-impl std::iter::Sum for Packets {
-    fn sum<I: Iterator<Item = Self>>(packets: I) -> Self {
-        packets.fold(Self::default(), |mut sum, packets| {
-            sum += packets;
-            sum
-        })
-    }
-}
+crate::sum_fields!(Packets {
+    offered,
+    sent,
+    received,
+    lost_collision,
+    lost_channel_access,
+    lost_queue,
+    lost_signal,
+    out_of_range,
+    not_listened,
+    not_listened_transmitting,
+    not_listened_asleep,
+    not_listened_off,
+    died,
+    pending,
+    channel_access_failures,
+    transmissions,
+    assessments,
+    unacknowledged,
+    octets_received,
+    reports_asked,
+    reports_received,
+    not_simulated,
+});
 
 /// What a network leaves behind, by station: nodes come first, then robots, then sinks.
 #[derive(Clone, Debug, Default)]

@@ -59,11 +59,34 @@ impl Setup {
         self.with_traffic(id).filter(is_late).map(|(node, _)| node)
     }
 
+    /// The nodes with traffic whose packets are due before `from`, or at `end` and later, but never between.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    pub fn uncounted_nodes(&self, id: NetworkId, from: SimTime, end: SimTime) -> impl Iterator<Item = NodeId> {
+        let seed = purpose::traffic_seed(self.seed, id);
+        let technology = &self.networks[id.index()].technology;
+        let is_uncounted = move |&(node, traffic): &(NodeId, &Traffic)| {
+            let clock = technology.settings().radio().clock(self.seed, id, node);
+            let true_time = |due| if traffic.follows_clock() { clock.instant(due) } else { due };
+            let Next::At(first, _) = traffic.next(seed, node, 0, SimTime::ZERO) else { return false };
+            // A saturated node goes on to the end.
+            traffic.may_rest()
+                && true_time(first) < from
+                && match traffic.after_rest(seed, node, 0, from, true_time).next {
+                    Next::At(due, _) => true_time(due) >= end,
+                    Next::AfterTheLast(_) => false,
+                    Next::Never => true,
+                }
+        };
+        self.with_traffic(id).filter(is_uncounted).map(|(node, _)| node)
+    }
+
     /// The nodes of a network that have packets.
     ///
     /// # Panics
     /// If there is no such network.
-    pub fn with_traffic(&self, id: NetworkId) -> impl Iterator<Item = (NodeId, &Traffic)> {
+    pub(crate) fn with_traffic(&self, id: NetworkId) -> impl Iterator<Item = (NodeId, &Traffic)> {
         let network = &self.networks[id.index()];
         let nodes = (0..self.world.nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
         let traffic = nodes.filter_map(|node| Some((node, network.traffic.of(node)?)));

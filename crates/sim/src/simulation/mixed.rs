@@ -3,18 +3,10 @@
 use sextant_kernel::{NodeId, SettingError};
 
 use super::{Applications, Simulation, surveyed, traffic};
-use crate::application::{Application, BoxedApplication};
+use crate::application::BoxedApplication;
 use crate::applications::robot::RobotTask;
+use crate::applications::standard::Receiver;
 use crate::setup::Setup;
-
-/// A sink without an own application: it takes what it receives.
-struct Receiver;
-
-impl Application for Receiver {
-    fn hears(&self) -> bool {
-        true
-    }
-}
 
 impl<'a> Simulation<BoxedApplication<'a>> {
     /// A simulation, ready to run, in which those stations have own applications for which `own` has one: it lists all nodes,

@@ -22,7 +22,7 @@ use sextant_kernel::SimTime;
 
 use self::axis::Axis;
 use super::target_state::TargetState;
-pub use turn::{TurnRule, TurnTimes};
+pub(crate) use turn::TurnTimes;
 
 /// How the way of a target is continued.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl TrajectorySettings {
     #[must_use]
     pub(crate) fn as_in_thesis(max_speed_m_per_s: f64, field: Bounds) -> Self {
         Self {
-            turn_times: TurnTimes::Polynomial { rule: TurnRule::Increment(1.0), most_degree: 8 },
+            turn_times: TurnTimes::Polynomial { least_m: 1.0, most_degree: 8 },
             next_turn: NextTurn::AfterLastSample,
             form: CurveForm::Integral,
             trust: Trust::Always,
@@ -74,7 +74,7 @@ impl TrajectorySettings {
 
 /// When a target turns next. Further turns follow at the mean interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum NextTurn {
+pub(crate) enum NextTurn {
     /// One mean interval after its last turn. If that is more than half an interval before the last sample, the target
     /// has changed its ways, and it is taken to go straight on.
     #[default]
@@ -85,7 +85,7 @@ pub enum NextTurn {
 
 /// The curve through the turns TD_i.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CurveForm {
+pub(crate) enum CurveForm {
     /// a cos(πφ) + C, where the phase φ grows by one from turn to turn, at a constant rate between two turns.
     #[default]
     Waves,
@@ -97,7 +97,7 @@ pub enum CurveForm {
 
 /// Which axes follow a curve through their turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Trust {
+pub(crate) enum Trust {
     /// Those on which the curve would have predicted the last places with less than half of the squared error of
     /// constant velocity (hindcast).
     #[default]
@@ -108,7 +108,7 @@ pub enum Trust {
 
 /// How a coordinate was predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AxisForecast {
+pub(crate) enum AxisForecast {
     /// By a curve through this many past and future turns.
     Curve {
         /// Turns of the target so far.
@@ -128,7 +128,7 @@ pub enum AxisForecast {
 
 /// What a prediction was limited by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
+pub(crate) enum Limit {
     /// Nothing.
     None,
     /// The speed of the target.
@@ -141,7 +141,7 @@ pub enum Limit {
 
 /// A predicted place, and how it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forecast {
+pub(crate) struct Forecast {
     /// The place (m).
     pub place: Position,
     /// How x, y and z were predicted.

@@ -4,38 +4,19 @@ use super::legendre::LegendreSeries;
 
 /// How the times are found at which a target turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TurnTimes {
+pub(crate) enum TurnTimes {
     /// The extremes from which the place has come back by more than this (m), each at the top of the parabola through
     /// the three samples round it.
     Extremes(f64),
     /// The zeros of the derivative of a polynomial of least squares through all places, as in the thesis. Its degree
     /// is one more than the number of turns that are counted.
     Polynomial {
-        /// Which turns are counted.
-        rule: TurnRule,
+        /// A turn counts if the increment between two samples changes its sign, and the new one is more than this (m), as
+        /// printed in the thesis. A target that slows down before it turns is not seen to turn.
+        least_m: f64,
         /// Largest degree.
         most_degree: usize,
     },
-}
-
-/// Which changes of direction count as turns, for the degree of a polynomial.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TurnRule {
-    /// The place has come back from its extreme by more than this (m).
-    Reversal(f64),
-    /// The increment between two samples changes its sign, and the new one is more than this (m), as printed in the
-    /// thesis. A target that slows down before it turns is not seen to turn.
-    Increment(f64),
-}
-
-impl TurnRule {
-    /// Number of turns in `points` (s, m).
-    fn count(self, points: &[(f64, f64)]) -> usize {
-        match self {
-            Self::Reversal(least_m) => extremes(points, least_m).len(),
-            Self::Increment(least_m) => changed_increments(points, least_m),
-        }
-    }
 }
 
 impl TurnTimes {
@@ -45,7 +26,9 @@ impl TurnTimes {
             Self::Extremes(least_m) => {
                 extremes(points, least_m).into_iter().map(|index| top_s(points, index)).collect()
             }
-            Self::Polynomial { rule, most_degree } => zeros_s(points, rule.count(points) + 1, most_degree),
+            Self::Polynomial { least_m, most_degree } => {
+                zeros_s(points, changed_increments(points, least_m) + 1, most_degree)
+            }
         }
     }
 }
@@ -117,41 +100,22 @@ fn changed_increments(points: &[(f64, f64)], least_m: f64) -> usize {
 mod tests {
     use super::*;
 
-    const BY_INCREMENT: TurnTimes = TurnTimes::Polynomial { rule: TurnRule::Increment(1.0), most_degree: 8 };
-    const BY_REVERSAL: TurnTimes = TurnTimes::Polynomial { rule: TurnRule::Reversal(0.1), most_degree: 8 };
+    const POLYNOMIAL: TurnTimes = TurnTimes::Polynomial { least_m: 1.0, most_degree: 8 };
 
     /// `values` at 0, 1, 2, .. seconds.
     fn each_second(values: impl IntoIterator<Item = f64>) -> Vec<(f64, f64)> {
         values.into_iter().enumerate().map(|(t_s, value)| (t_s as f64, value)).collect()
     }
 
-    fn count(rule: TurnRule, values: &[f64]) -> usize {
-        rule.count(&each_second(values.iter().copied()))
-    }
-
     #[test]
-    fn both_rules_count_the_turns_of_a_zigzag() {
-        let zigzag = [0.0, 2.0, 4.0, 2.0, 0.0, 0.0, -2.0, 0.0, 2.0];
-        assert_eq!(count(TurnRule::Increment(1.0), &zigzag), 2);
-        assert_eq!(count(TurnRule::Reversal(1.0), &zigzag), 2);
-        let small = [0.0, 2.0, 1.5, 3.5, 3.0, 5.0];
-        assert_eq!(count(TurnRule::Increment(1.0), &small), 2, "the way back is short, but the way on is long");
-        assert_eq!(count(TurnRule::Reversal(1.0), &small), 0);
-        assert_eq!((count(TurnRule::Increment(1.0), &[]), count(TurnRule::Reversal(1.0), &[1.0])), (0, 0));
-    }
-
-    #[test]
-    fn a_zero_increment_between_two_signs_is_one_turn() {
-        let plateau = [0.0, 2.0, 2.0, 2.0, 0.0];
-        assert_eq!(count(TurnRule::Increment(1.0), &plateau), 1);
-        assert_eq!(count(TurnRule::Reversal(1.0), &plateau), 1);
-    }
-
-    #[test]
-    fn a_smooth_turn_is_seen_by_its_reversal_alone() {
+    fn increments_of_another_sign_are_turns() {
+        let count = |values: &[f64]| changed_increments(&each_second(values.iter().copied()), 1.0);
+        assert_eq!(count(&[0.0, 2.0, 4.0, 2.0, 0.0, 0.0, -2.0, 0.0, 2.0]), 2);
+        assert_eq!(count(&[0.0, 2.0, 1.5, 3.5, 3.0, 5.0]), 2, "the way back is short, but the way on is long");
+        assert_eq!(count(&[0.0, 2.0, 2.0, 2.0, 0.0]), 1, "an increment of zero is no turn");
+        assert_eq!(count(&[]), 0);
         let smooth: Vec<_> = (0..=20).map(|t| 4.0 * (0.3 * f64::from(t)).sin()).collect();
-        assert_eq!(count(TurnRule::Reversal(1.0), &smooth), 2);
-        assert_eq!(count(TurnRule::Increment(1.0), &smooth), 0);
+        assert_eq!(count(&smooth), 0, "a smooth turn is not seen");
     }
 
     #[test]
@@ -159,7 +123,7 @@ mod tests {
         // x' = (t - 12) (t - 30) (t - 55) / 1000
         let x = |t: f64| 1e-3 * (t.powi(4) / 4.0 - 97.0 * t.powi(3) / 3.0 + 2670.0 * t * t / 2.0 - 19800.0 * t);
         let points = each_second((0..=70).map(|t| x(f64::from(t))));
-        let found = BY_REVERSAL.of(&points);
+        let found = zeros_s(&points, 4, 8);
         assert_eq!(found.len(), 3, "{found:?}");
         for (found, expected) in found.into_iter().zip([12.0, 30.0, 55.0]) {
             assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
@@ -181,10 +145,10 @@ mod tests {
     #[test]
     fn the_degree_is_limited_by_the_number_of_points() {
         let zigzag = |count: u32| each_second((0..count).map(|t| f64::from(3 * (t % 2))));
-        assert!(BY_INCREMENT.of(&zigzag(4)).is_empty(), "degree 1");
-        assert!(BY_INCREMENT.of(&zigzag(9)).len() <= 3, "degree 4");
-        assert!(BY_INCREMENT.of(&zigzag(60)).len() <= 7, "degree 8");
-        assert!(BY_INCREMENT.of(&[]).is_empty());
-        assert!(BY_INCREMENT.of(&[(1.0, 0.0); 7]).is_empty());
+        assert!(POLYNOMIAL.of(&zigzag(4)).is_empty(), "degree 1");
+        assert!(POLYNOMIAL.of(&zigzag(9)).len() <= 3, "degree 4");
+        assert!(POLYNOMIAL.of(&zigzag(60)).len() <= 7, "degree 8");
+        assert!(POLYNOMIAL.of(&[]).is_empty());
+        assert!(POLYNOMIAL.of(&[(1.0, 0.0); 7]).is_empty());
     }
 }

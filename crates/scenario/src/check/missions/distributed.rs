@@ -17,7 +17,7 @@ use super::check_all_nodes;
 use crate::check::errors::Errors;
 use crate::check::maps::{MapJob, check_name};
 use crate::check::networks::Networks;
-use crate::check::networks::tables::NetworkTables;
+use crate::check::networks::network::CheckedNetwork;
 use crate::config::ScenarioConfig;
 
 /// The table of the scenario.
@@ -98,7 +98,7 @@ pub(crate) fn check_distributed(
     let algorithm = if has_mobile { "dmmtm-hs" } else { "dmmtm-ss" };
     let name = written.name.clone().unwrap_or_else(|| algorithm.to_owned());
     check_name(&name, TABLE, maps, errors);
-    let (busy, tables) = (&setup.networks[network.index()], networks.tables(network));
+    let (busy, tables) = (&setup.networks[network.index()], networks.network(network));
     check_all_nodes(busy, tables, setup.world.nodes.len(), TABLE, errors);
     let antennas = match busy.technology.antennas() {
         Some(antennas) => Some(sectors(antennas, tables, has_mobile, errors)?),
@@ -144,7 +144,7 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
 }
 
 /// What a mobile anchor tells of its sectors must fit in a frame.
-fn check_message(mobile: &MobileAnchor, network: &Network, tables: &NetworkTables<'_>, errors: &mut Errors) {
+fn check_message(mobile: &MobileAnchor, network: &Network, tables: &CheckedNetwork<'_>, errors: &mut Errors) {
     let most = usize::from(MAX_BEACON_PAYLOAD_OCTETS);
     let octets = mobile.largest_octets();
     if octets > most {
@@ -161,7 +161,7 @@ fn check_network(i: usize, robot: &Robot, network: NetworkId, input: &NodeMapInp
     if robot.body.networks == [network] {
         return;
     }
-    let name = |id: NetworkId| input.networks.tables(id).name;
+    let name = |id: NetworkId| input.networks.network(id).name;
     let names: Vec<String> = robot.body.networks.iter().filter_map(|&id| Some(format!("`{}`", name(id)?))).collect();
     let key = if input.config.robots[i].networks.is_empty() { "network" } else { "networks" };
     let own = name(network).unwrap_or_default();
@@ -181,7 +181,7 @@ struct Sectors {
 /// The sectors of these `antennas`, if the map can be computed with them.
 fn sectors(
     antennas: &Antennas,
-    tables: &NetworkTables<'_>,
+    tables: &CheckedNetwork<'_>,
     has_mobile: bool,
     errors: &mut Errors,
 ) -> Option<Sectors> {

@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, SettingError};
 use sextant_sim::{MacConfig, Network};
 
 use super::errors::Errors;
-use super::networks::tables::NetworkTables;
+use super::networks::network::CheckedNetwork;
 
 /// How many of the `nodes` nodes are not in the network.
 pub(crate) fn outside(network: &Network, nodes: usize) -> usize {
@@ -15,7 +15,7 @@ pub(crate) fn outside(network: &Network, nodes: usize) -> usize {
 }
 
 /// Refuses a network in `table` that is not one of all of the `nodes` nodes, or in which they do not hear each other at any time.
-fn check_all_nodes(network: &Network, tables: &NetworkTables<'_>, nodes: usize, table: &str, errors: &mut Errors) {
+fn check_all_nodes(network: &Network, tables: &CheckedNetwork<'_>, nodes: usize, table: &str, errors: &mut Errors) {
     let outside = outside(network, nodes);
     if outside > 0 {
         let found = format!("a network without {outside} of the {nodes} nodes");

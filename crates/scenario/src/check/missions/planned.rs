@@ -257,7 +257,7 @@ impl Surroundings<'_> {
             return self.check_sectors(busy, table, errors);
         }
         if busy.technology.ieee802154().is_none() {
-            let mac = self.networks.tables(network).mac.value;
+            let mac = self.networks.network(network).mac.value;
             let with = if mac.sweeps_sectors() { "sector sweeps".to_owned() } else { format!("`mac.{}`", mac.key()) };
             let found =
                 busy.name.as_ref().map_or(format!("one with {with}"), |name| format!("`{name}`, with {with}"));
@@ -266,7 +266,7 @@ impl Surroundings<'_> {
             errors.refuse(&SettingError::new("network", found, allowed).within(table));
             return false;
         }
-        check_all_nodes(busy, self.networks.tables(network), self.nodes().len(), table, errors);
+        check_all_nodes(busy, self.networks.network(network), self.nodes().len(), table, errors);
         errors.found.len() == before
     }
 

@@ -8,7 +8,8 @@ use sextant_mapper::{
 };
 use sextant_sim::{RobotConfig, RoleConfig, Technology, TrafficConfig};
 
-use super::{CheckedNetwork, Networks};
+use super::Networks;
+use super::network::CheckedNetwork;
 
 /// How many packets a node sends while a robot listens at a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +57,7 @@ impl<'a> Networks<'a> {
         let is_surveyed = |network: &&CheckedNetwork<'_>| {
             self.config.robots.iter().filter(|robot| robot.role == RoleConfig::Survey).any(|robot| {
                 let mut named = robot.networks.iter().chain(&robot.network);
-                network.tables.name.is_none_or(|own| named.any(|name| name == own))
+                network.name.is_none_or(|own| named.any(|name| name == own))
             })
         };
         let surveyed: Vec<_> = self.all.iter().filter(is_surveyed).collect();
@@ -69,17 +70,17 @@ impl<'a> Networks<'a> {
     }
 
     fn packets_in(&self, network: &CheckedNetwork<'_>) -> PacketsPerStop {
-        PacketsPerStop::new(network.tables.traffic_of_nodes(), &self.config.robots)
+        PacketsPerStop::new(network.traffic_of_nodes(), &self.config.robots)
     }
 
     /// Whether a log of the network called `name`, or of the first one, has sectors; true if there is no such network.
     pub(crate) fn log_has_sectors(&self, name: Option<&str>) -> bool {
-        self.find("network", name).ok().is_none_or(|network| network.tables.sweeps_sectors())
+        self.find("network", name).ok().is_none_or(|network| network.sweeps_sectors())
     }
 
     /// Whether a log of the network called `name`, or of the first one, has ranges; true if there is no such network.
     pub(crate) fn log_has_ranges(&self, name: Option<&str>) -> bool {
-        self.find("network", name).ok().is_none_or(|network| network.tables.measures_ranges())
+        self.find("network", name).ok().is_none_or(|network| network.measures_ranges())
     }
 
     /// Whether the channel and the links of all surveyed networks are known.
@@ -117,9 +118,9 @@ impl<'a> Networks<'a> {
     fn find(&self, key: &str, name: Option<&str>) -> Result<&CheckedNetwork<'a>, SettingError> {
         let surveyed = self.surveyed();
         let Some(name) = name else { return Ok(surveyed[0]) };
-        surveyed.iter().copied().find(|network| network.tables.name == Some(name)).ok_or_else(|| {
+        surveyed.iter().copied().find(|network| network.name == Some(name)).ok_or_else(|| {
             let names: Vec<String> =
-                surveyed.iter().filter_map(|network| Some(format!("`{}`", network.tables.name?))).collect();
+                surveyed.iter().filter_map(|network| Some(format!("`{}`", network.name?))).collect();
             let allowed = match &names[..] {
                 [] => "no name: there is one network".to_owned(),
                 [only] => format!("{only}, which is the only network that robots survey"),
@@ -151,7 +152,7 @@ impl CheckedNetwork<'_> {
         {
             sectors.carrier_ghz = sectors.carrier_ghz.or(channel.signal_ghz());
             // Where nothing reflects, obstacles absorb alone.
-            let of_channel = self.tables.reflections();
+            let of_channel = self.reflections();
             let nothing = ReflectionsConfig { order: 0, ..ReflectionsConfig::default() };
             sectors.reflections.get_or_insert(of_channel.unwrap_or(nothing));
         }

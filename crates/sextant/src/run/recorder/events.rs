@@ -1,7 +1,7 @@
 //! The events of a simulation in a recording.
 
 use sextant_channel::{Contact, HeardAtStop, Position, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, SimTime, StationId};
 use sextant_recording::{Level, Sensation, messages};
 use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, PacketTrace, Pose, Progress, Sensed, TargetId};
 
@@ -130,6 +130,12 @@ impl Observer for RunRecorder {
         self.simulation.frames
     }
 
+    fn originated(&mut self, station: StationId, number: u16, time: SimTime) {
+        if self.simulation.packets && self.simulation.has_hops {
+            self.simulation.origins.insert((station, number), time + self.simulation.offset);
+        }
+    }
+
     fn traced(&mut self, packet: &PacketTrace) {
         if !self.simulation.packets {
             return;
@@ -140,7 +146,7 @@ impl Observer for RunRecorder {
             let network = &simulation.network_names[packet.network.index()];
             packets::record(recorder, (id, simulation.nodes.len()), network, packet, simulation.offset)?;
             match simulation.has_hops {
-                true => packets::record_hop(recorder, id, packet, simulation.offset),
+                true => packets::record_hop(recorder, id, packet, &simulation.origins, simulation.offset),
                 false => Ok(()),
             }
         });

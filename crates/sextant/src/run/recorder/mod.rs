@@ -52,6 +52,7 @@ struct RecordedSimulation {
     packets: bool,
     /// Whether packets go over several hops.
     has_hops: bool,
+    origins: packets::Origins,
     robots: Vec<CommandTrack>,
     /// Names of the targets.
     targets: Vec<String>,
@@ -86,6 +87,7 @@ impl RecordedSimulation {
             frames: scenario.recording().frames,
             packets: scenario.recording().packets,
             has_hops: scenario.routing().is_some() && start.mission.is_none(),
+            origins: packets::Origins::default(),
             robots: start.robots.iter().map(|name| CommandTrack::new(name)).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),

@@ -1,5 +1,6 @@
 //! The trace of a packet in a recording.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
@@ -75,11 +76,15 @@ pub(super) fn record(
     recorder.packet(&packet, &assessments, &transmissions)
 }
 
+/// When each packet over several hops was offered at its origin, by that and its number (time in the recording).
+pub(super) type Origins = BTreeMap<(StationId, u16), SimTime>;
+
 /// Records the hop that packet number `id` is, if it goes over several hops.
 pub(super) fn record_hop(
     recorder: &mut FileRecorder,
     id: u64,
     trace: &PacketTrace,
+    origins: &Origins,
     offset: Duration,
 ) -> Result<(), RecordingError> {
     // The first fragment has the header of its packet.
@@ -89,8 +94,15 @@ pub(super) fn record_hop(
         None => &trace.payload,
     };
     let Some(Hop { origin, number, hops, target }) = Hop::read(payload, trace.to) else { return Ok(()) };
-    let target = target.map(|station| station.0);
-    let hop = HopMessage { packet: id, origin: origin.0, number: number.into(), hops: hops.into(), target };
+    let Some(offered) = origins.get(&(origin, number)) else { return Ok(()) };
+    let hop = HopMessage {
+        packet: id,
+        origin: origin.0,
+        number: number.into(),
+        hops: hops.into(),
+        target: target.map(|station| station.0),
+        origin_offered_ns: offered.as_nanos(),
+    };
     recorder.hop((trace.ended + offset).as_nanos(), &hop)
 }
 

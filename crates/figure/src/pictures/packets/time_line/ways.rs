@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn a_packet_waits_where_it_arrived_and_goes_on_to_the_next_row() {
-        let hop = |hops| Some(HopMessage { packet: 0, origin: 0, number: 5, hops, target: None });
+        let hop = |hops| Some(HopMessage { number: 5, hops, ..HopMessage::default() });
         let first = RecordedPacket { hop: hop(0), ..packet() };
         let mut second = RecordedPacket { hop: hop(1), ..packet() };
         second.packet.source = 3;

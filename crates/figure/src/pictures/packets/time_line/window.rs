@@ -81,7 +81,7 @@ mod tests {
         let mut packet = RecordedPacket::default();
         packet.packet.offered_ns = offered_ns;
         packet.packet.delivered_ns = delivered_ns;
-        packet.hop = Some(HopMessage { packet: 0, origin: 7, number, hops, target: None });
+        packet.hop = Some(HopMessage { origin: 7, number, hops, ..HopMessage::default() });
         packet
     }
 

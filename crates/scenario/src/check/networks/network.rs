@@ -1,4 +1,6 @@
-//! The tables of a network as written, with the key of each, and what each becomes.
+//! A network: its tables as written, with the key of each, and what each becomes.
+
+use std::sync::Arc;
 
 use sextant_channel::{ChannelConfig, ChannelLaw, Dbm, RangingDevice, RangingDeviceConfig, ReflectionsConfig};
 use sextant_kernel::{Files, SettingError};
@@ -6,16 +8,17 @@ use sextant_mac::tsch::Hopping;
 use sextant_mac::{EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    AntennasConfig, LinkConfig, LinkError, LinkTraceConfig, MacConfig, NetworkTrace, NodesOfGroup, RadioConfig,
-    ReceptionConfig, Technology, TraceStations, TrafficConfig, TrafficPlan,
+    AntennasConfig, LinkConfig, LinkError, LinkTraceConfig, MacConfig, Network, NetworkTrace, NodesOfGroup,
+    RadioConfig, ReceptionConfig, Technology, TraceStations, TrafficConfig, TrafficPlan,
 };
 
 use crate::check::errors::Errors;
 use crate::config::ScenarioConfig;
 use crate::config::network::NetworkConfig;
 
-/// The tables of one network as written, and the key of each. Errors in what is made of them name these keys.
-pub(crate) struct NetworkTables<'a> {
+/// One network: its tables as written, and the key of each. Errors in what is made of them name these keys. Its channel and links
+/// are checked at once, so that other checks can ask about them also if something else in the scenario has an error.
+pub(crate) struct CheckedNetwork<'a> {
     /// Its name; `None` if it is the only network, with the tables of the scenario.
     pub(crate) name: Option<&'a str>,
     nodes: Option<&'a NodesOfGroup>,
@@ -28,6 +31,10 @@ pub(crate) struct NetworkTables<'a> {
     ranging: Keyed<Option<&'a RangingDeviceConfig>>,
     pub(crate) antenna: Keyed<Option<&'a AntennasConfig>>,
     energy: Keyed<Option<&'a EnergyConfig>>,
+    /// The law of its channel; `None` if it has an error or is not known.
+    pub(super) law: Option<ChannelLaw>,
+    /// The technology of its links; `None` if it has an error or is not known.
+    pub(super) technology: Option<Technology>,
 }
 
 /// A value and the key of its table.
@@ -70,13 +77,14 @@ pub struct ForeignChip {
     pub phy: Phy,
 }
 
-impl<'a> NetworkTables<'a> {
-    /// The tables of each network of a scenario, in the order of their names.
-    pub(super) fn all(config: &'a ScenarioConfig) -> Vec<Self> {
-        if config.networks.is_empty() {
-            return vec![Self::of(config, None)];
-        }
-        config.networks.iter().map(|(name, network)| Self::of(config, Some((name, network)))).collect()
+impl<'a> CheckedNetwork<'a> {
+    /// Each network of a scenario, in the order of their names; `check` fills in its channel and its links.
+    pub(super) fn all(config: &'a ScenarioConfig, mut check: impl FnMut(&mut Self)) -> Vec<Self> {
+        let named = config.networks.iter().map(Some);
+        let networks = if config.networks.is_empty() { vec![None] } else { named.collect() };
+        let mut all: Vec<Self> = networks.into_iter().map(|network| Self::of(config, network)).collect();
+        all.iter_mut().for_each(&mut check);
+        all
     }
 
     fn of(config: &'a ScenarioConfig, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
@@ -100,6 +108,8 @@ impl<'a> NetworkTables<'a> {
             ranging: pick!(ranging, or(config.ranging.as_ref())),
             antenna: pick!(antenna, or(config.antenna.as_ref())),
             energy: pick!(energy, or(config.energy.as_ref())),
+            law: None,
+            technology: None,
         }
     }
 
@@ -130,12 +140,42 @@ impl<'a> NetworkTables<'a> {
 
     /// The law of its channel. An absent loss at the reference distance is that of free space at the carrier of its radios, which is that of the
     /// signals too, unless the channel has its own.
-    pub(super) fn law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
+    pub(super) fn checked_law(&self, errors: &mut Errors) -> Option<ChannelLaw> {
         let channel = *self.channel.value;
         let of_radios = self.radio.value.map(|radio| radio.carrier_ghz(self.mac.value));
         let channel = of_radios.map_or(channel, |carrier_ghz| channel.with_free_space(carrier_ghz));
         let law = errors.take(&self.channel.key, ChannelLaw::try_from(channel))?;
         Some(of_radios.map_or(law, |carrier_ghz| law.for_radios_at(carrier_ghz)))
+    }
+
+    /// The law of its channel and the technology of its links, if both are known.
+    pub(super) fn links(&self) -> Option<(&ChannelLaw, &Technology)> {
+        self.law.as_ref().zip(self.technology.as_ref())
+    }
+
+    /// The network as it is simulated, if it has no error.
+    pub(super) fn simulated(
+        &self,
+        config: &ScenarioConfig,
+        named: Named<'_>,
+        errors: &mut Errors,
+    ) -> Option<Network> {
+        let radio_states = errors.take(&self.energy.key, RadioStates::try_from(self.chip()));
+        let traffic = self.traffic_plan(config, named, errors);
+        let link_trace = self.link_trace(config, named, errors);
+        let ranging = self.ranging.value.map(|&device| RangingDevice::try_from(device)).transpose();
+        let ranging = errors.take(&self.ranging.key, ranging);
+        let members = named.nodes.map(|nodes| errors.take("", self.members(nodes, config)));
+        Some(Network {
+            name: self.name.map(str::to_owned),
+            channel: self.law?,
+            technology: self.technology.clone()?,
+            radio_states: radio_states?,
+            link_trace: link_trace.map(Arc::new),
+            traffic: traffic?,
+            ranging: ranging?,
+            members: members??,
+        })
     }
 
     /// Its links as they were measured, if they are and the nodes are known.
@@ -168,7 +208,7 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// The technology of its links.
-    pub(super) fn technology(&self, named: Named<'_>, errors: &mut Errors) -> Option<Technology> {
+    pub(super) fn checked_technology(&self, named: Named<'_>, errors: &mut Errors) -> Option<Technology> {
         let technology = Technology::read(&self.link_config(), named.nodes, named.files).map_err(|found| {
             found.into_iter().for_each(|error| match error {
                 LinkError::Missing(table) => errors.refuse(&self.missing(table)),
@@ -198,11 +238,6 @@ impl<'a> NetworkTables<'a> {
         }
     }
 
-    /// The energy model of the chip that is counted: the one that is named, or one of the band of the radios.
-    pub(super) fn radio_states(&self, errors: &mut Errors) -> Option<RadioStates> {
-        errors.take(&self.energy.key, RadioStates::try_from(self.chip()))
-    }
-
     /// The chip that is counted.
     fn chip(&self) -> EnergyConfig {
         let usual = || match self.radio.value {
@@ -215,15 +250,6 @@ impl<'a> NetworkTables<'a> {
     /// Whether robots measure the ranges to its nodes.
     pub(super) fn measures_ranges(&self) -> bool {
         self.ranging.value.is_some()
-    }
-
-    /// How robots measure the ranges to its nodes, if they do.
-    ///
-    /// # Errors
-    /// If a setting is invalid.
-    pub(super) fn ranging(&self) -> Result<Option<RangingDevice>, SettingError> {
-        let device = self.ranging.value.map(|&device| RangingDevice::try_from(device)).transpose();
-        device.map_err(|error| error.within(&self.ranging.key))
     }
 
     /// What its nodes send, if these are known.
