@@ -264,16 +264,20 @@ fn robots_that_patrol_share_the_map_and_capture_what_no_node_detects() {
 #[test]
 fn a_fast_robot_captures_what_it_drives_past() {
     // A lane goes 0.3 m past each target, and in 0.1 s the robot drives 4 m: twice the way within reach.
-    let targets = [3.0, 4.5, 6.0, 7.5, 9.0].map(|y_m| format!("places_m = [[5.9, {y_m:?}]]\nspeed_m_per_s = 0.5"));
     let scene = Scene {
-        targets: targets.iter().map(String::as_str).collect(),
+        targets: vec![
+            "places_m = [[5.9, 3.0]]\nspeed_m_per_s = 0.5",
+            "places_m = [[5.9, 5.0]]\nspeed_m_per_s = 0.5",
+            "places_m = [[5.9, 7.5]]\nspeed_m_per_s = 0.5",
+            "places_m = [[5.9, 9.5]]\nspeed_m_per_s = 0.5",
+        ],
         robots: vec!["start_m = [8.0, 1.0]\nspeed_m_per_s = 40.0", "start_m = [11.0, 1.0]\nspeed_m_per_s = 40.0"],
         errors: "miss_probability = 0.9999999",
         settings: "before_detection = \"patrol\"",
         seconds: 60,
         ..Scene::default()
     };
-    assert_eq!(scene.run().captured.len(), 5);
+    assert_eq!(scene.run().captured.len(), 4);
 }
 
 #[test]
