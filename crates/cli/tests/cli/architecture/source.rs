@@ -73,14 +73,21 @@ impl Reader {
     fn tokens(&mut self, tokens: TokenStream) {
         let mut path = Vec::new();
         let mut colons = 0;
+        // What a macro has for other crates, `$crate::..`, is no path of this one.
+        let mut dollar = "";
         for token in tokens {
+            let before = std::mem::take(&mut dollar);
             match token {
                 TokenTree::Ident(word) => {
                     if colons != 2 {
                         self.path(std::mem::take(&mut path));
                     }
-                    path.push(word.to_string());
+                    path.push(format!("{before}{word}"));
                     colons = 0;
+                }
+                TokenTree::Punct(mark) if mark.as_char() == '$' => {
+                    self.path(std::mem::take(&mut path));
+                    (colons, dollar) = (0, "$");
                 }
                 TokenTree::Punct(mark) if mark.as_char() == ':' => colons += 1,
                 other => {
@@ -209,6 +216,7 @@ mod tests {
             "//! crate::in_a_comment::A\nuse crate::a::{B, c::{self, D as E}};\npub(super) use super::f::*;\n\
              fn g<'a>(x: &'a str) -> crate::h::I { \"crate::text::J\"; r#\"crate::raw::K\"#; '\"'; super::l::m(x) }\n\
              mod inner { use super::n::O; }\n#[cfg(test)]\nmod tests;\n#[cfg(test)]\nmod more { use crate::p::Q; }\n\
+             macro_rules! e { () => { $crate::v::X } }\n\
              fn r() { assert!([crate::s::t(), 1 + u::v].is_empty(), \"crate::w::X\"); }\n\
              #[derive(crate::y::Z)] struct S;\nimpl S { #[cfg(test)] fn h() { crate::p::i() } }",
         );
@@ -224,6 +232,7 @@ mod tests {
                 "0 crate::h::I",
                 "0 super::l::m",
                 "1 super::n::O",
+                "0 $crate::v::X",
                 "0 crate::s::t",
                 "0 u::v",
                 "0 crate::y::Z",
