@@ -176,10 +176,10 @@ impl From<ConvertError> for Failure {
             }
             ConvertError::UnknownTurning => "--azimuths clockwise, or --azimuths counterclockwise".to_owned(),
             ConvertError::SeveralGains { .. } => "the one to take: --gain NAME".to_owned(),
-            ConvertError::Invalid { .. } => {
-                "angles from the zenith: --zenith; a sector that is the listening pattern: --quasi-omni ID".to_owned()
-            }
-            ConvertError::Unreadable { .. }
+            ConvertError::Elevation { .. } => "angles from the zenith: --zenith".to_owned(),
+            ConvertError::Identity { .. } => "a sector that is the listening pattern: --quasi-omni ID".to_owned(),
+            ConvertError::Invalid { .. }
+            | ConvertError::Unreadable { .. }
             | ConvertError::Foreign { .. }
             | ConvertError::Mat(_)
             | ConvertError::Option { .. } => {

@@ -26,6 +26,9 @@ impl Paragraph<'_> {
 /// Writes an entry of a list: its name, and a text beside it, or below if the name is long.
 pub(crate) fn item(out: &mut impl Write, name: &str, text: &str) -> io::Result<()> {
     let next = " ".repeat(NAMES + 3);
+    if text.is_empty() {
+        return writeln!(out, "  {name}");
+    }
     if name.chars().count() > NAMES {
         writeln!(out, "  {name}")?;
         return Paragraph { indent: &next, next: &next }.write(out, text);

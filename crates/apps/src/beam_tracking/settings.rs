@@ -112,7 +112,10 @@ fn rule(config: RetrainConfig, sectors: u8) -> Result<(RetrainRule, u8), Setting
 fn check_antennas(antennas: &Antennas) -> Result<Arc<SectorGains>, SettingError> {
     let refused = |what: String, allowed: &str| Err(SettingError::new("retrain", what, allowed));
     let nodes = antennas.nodes();
-    if nodes.is_omnidirectional() || nodes.sector_count() > MOST_SLOT_FRAMES {
+    if nodes.is_omnidirectional() {
+        return refused("with nodes whose antenna has no sectors".to_owned(), "nodes with 1 to 16 sectors");
+    }
+    if nodes.sector_count() > MOST_SLOT_FRAMES {
         let found = format!("with nodes that have {} sectors", nodes.sector_count());
         return refused(found, "nodes with 1 to 16 sectors: a slot for answers has no more frames");
     }

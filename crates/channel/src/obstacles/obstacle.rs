@@ -19,7 +19,8 @@ pub struct ObstacleConfig {
     pub name: Option<String>,
     /// Its shape. It has its floor, and neither its sides nor its roof: on the ground it blocks stations at z = 0.
     pub shape: ShapeConfig,
-    /// Name of a known material.
+    /// Name of a known material. `concrete` is light and dry, and absorbs 0.30 times the decibels of `itu-concrete`, which is dense, at all
+    /// carriers.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub material: Option<String>,

@@ -26,7 +26,8 @@ pub struct WallConfig {
     /// Height from its foot to its top (m).
     #[cfg_attr(feature = "config", serde(default = "usual_height_m"))]
     pub height_m: f64,
-    /// Name of a known material.
+    /// Name of a known material. `concrete` is light and dry, and absorbs 0.30 times the decibels of `itu-concrete`, which is dense, at all
+    /// carriers.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     #[cfg_attr(feature = "schema", schemars(transform = crate::propagation::material::listed))]
     pub material: Option<String>,

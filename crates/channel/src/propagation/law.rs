@@ -200,6 +200,12 @@ impl ChannelLaw {
         self.reflections.as_ref()
     }
 
+    /// Height of the ground that reflects (m), if there is one.
+    #[must_use]
+    pub fn ground_z_m(&self) -> Option<f64> {
+        self.reflections.and_then(|law| law.ground_z_m)
+    }
+
     /// How shadowing spreads.
     #[must_use]
     #[inline]

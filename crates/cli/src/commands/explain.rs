@@ -119,7 +119,9 @@ fn write_key(out: &mut impl Write, key: &KeyReference, below: &[KeyReference], a
         line(if i == 0 { "example" } else { "" }, text)?;
     }
     if !key.choices.is_empty() {
-        writeln!(out, "\nchoices (a name in quotes, or a table with settings)")?;
+        let has_settings = key.choices.iter().any(|choice| choice.has_settings);
+        let form = if has_settings { "a name in quotes, or a table with settings" } else { "a name in quotes" };
+        writeln!(out, "\nchoices ({form})")?;
         for choice in &key.choices {
             let name = if choice.has_settings { choice.name.clone() } else { format!("\"{}\"", choice.name) };
             item(out, &name, choice.summary())?;

@@ -72,6 +72,8 @@ pub(crate) enum Unit {
     Ft,
     /// Yards
     Yd,
+    /// Feet of surveys in the United States (1200/3937 m)
+    UsFt,
 }
 
 impl Unit {
@@ -85,6 +87,7 @@ impl Unit {
             Self::In => LengthUnit::Inch,
             Self::Ft => LengthUnit::Foot,
             Self::Yd => LengthUnit::Yard,
+            Self::UsFt => LengthUnit::UsSurveyFoot,
         }
     }
 }

@@ -230,6 +230,19 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
     assert!(convert(&["half.csv", "zenith.csv", "--zenith"]).status.success());
+    // The help is that of the fault, and no option that is given already.
+    std::fs::write(folder.path().join("low.csv"), "azimuth_deg,theta_deg,gain_dbi\n0,190,3\n10,20,3\n").unwrap();
+    std::fs::write(folder.path().join("bad.csv"), "azimuth_deg,elevation_deg,gain_dbi\n0,0,x\n").unwrap();
+    std::fs::write(folder.path().join("far.csv"), "sector,azimuth_deg,elevation_deg,gain_dbi\n70,0,0,1\n").unwrap();
+    for (words, expected, absent) in [
+        (&["low.csv", "no.csv", "--zenith"][..], "190 from the zenith", "--zenith"),
+        (&["bad.csv", "no.csv"], "`x`", "--zenith"),
+        (&["far.csv", "no.csv"], "--quasi-omni ID", "--zenith"),
+        (&["low.csv", "no.csv", "--elevation", "theta_deg"], "--zenith", "--quasi-omni"),
+    ] {
+        let message = text(&convert(words).stderr);
+        assert!(message.contains(expected) && !message.contains(absent), "{words:?}: {message}");
+    }
     assert!(convert(&["half.csv", "level.csv", "--elevation", "theta"]).status.success());
     assert!(convert(&["radians.csv", "turned.csv", "--radians"]).status.success());
     let turned = std::fs::read_to_string(folder.path().join("turned.csv")).unwrap();

@@ -214,3 +214,43 @@ fn a_shipped_scenario_with_sectors_has_a_forecast() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success() && text.contains("radio range") && text.contains("packets a stop"), "{text}");
 }
+
+#[test]
+fn a_ground_above_the_stations_is_told() {
+    let ground = |z_m: f64| {
+        let reflections = format!("[channel.reflections]\nground_z_m = {z_m:?}\nground_material = \"concrete\"\n");
+        let text = LINE.replace("[channel.shadowing]", &format!("{reflections}[channel.shadowing]"));
+        let (code, stdout, stderr) = told(&text, &["check", "a.toml"]);
+        assert_eq!(code, Some(0), "{stderr}");
+        let said = format!("{stdout}{stderr}");
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    for z_m in [3.0, 0.0] {
+        let said = ground(z_m);
+        assert!(said.contains("channel.reflections.ground_z_m"), "{said}");
+        assert!(said.contains("5 of 5 stations are not above the ground"), "{said}");
+    }
+    let said = ground(-1.0);
+    assert!(!said.contains("not above the ground"), "{said}");
+}
+
+#[test]
+fn a_window_in_which_no_answer_ends_is_refused() {
+    let text = LINE
+        .replace(
+            "[channel.path_loss.log_distance]\nexponent = 3.0",
+            "[channel.path_loss.close_in]\ncarrier_ghz = 60.48\nexponent = 2.0",
+        )
+        .replace(
+            "[traffic.periodic]\nmpdu_octets = 20\ninterval_s = 0.5\n",
+            "[mac.sector_sweep]\nwindow_ms = 0.1\n[antenna.nodes.sectors]\nazimuth_sectors = 8\n\
+             [antenna.robots.sectors]\nazimuth_sectors = 16\n",
+        )
+        .replace("listen_s = 2.0", "listen_s = 2.0\nsweeps_per_stop = 2");
+    let (code, _, stderr) = told(&text, &["check", "a.toml"]);
+    let message = stderr.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
+    assert_eq!(code, Some(2), "{message}");
+    assert!(message.contains("window_ms") && message.contains("at least 0.145 for the 8 frames"), "{message}");
+    let (code, _, stderr) = told(&text.replace("window_ms = 0.1", "window_ms = 1"), &["check", "a.toml"]);
+    assert_eq!(code, Some(0), "{stderr}");
+}

@@ -46,6 +46,15 @@ fn a_choice_lists_what_may_be_chosen_and_a_table_its_keys() {
 }
 
 #[test]
+fn the_names_of_materials_are_printed() {
+    for key in ["world.walls.material", "world.obstacles.material", "channel.reflections.ground_material"] {
+        let text = told(&["explain", key]).expect("a key");
+        assert!(["\"concrete\"", "\"itu-concrete\"", "\"glass\""].iter().all(|name| text.contains(name)), "{text}");
+        assert!(text.contains("choices (a name in quotes)\n") && !text.contains("\n\n\n"), "{text}");
+    }
+}
+
+#[test]
 fn the_end_of_a_path_finds_keys_and_no_key_lists_the_tables() {
     let text = told(&["explain", "exponent"]).expect("keys");
     assert!(

@@ -95,6 +95,14 @@ fn plans_that_cannot_be_read_say_why() {
         let found = found.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
         assert!(found.contains(problem), "{words:?}: {found}");
     }
+    // A reference system whose unit is not known, until the unit is given.
+    let feet =
+        r#"{"type": "LineString", "crs": {"properties": {"name": "EPSG:2263"}}, "coordinates": [[0, 0], [100, 0]]}"#;
+    fs::write(path.join("feet.geojson"), feet).unwrap();
+    let found = error(&floorplan(path, &["feet.geojson"]));
+    assert!(found.contains("EPSG:2263") && found.contains("option `unit`"), "{found}");
+    let read = floorplan(path, &["feet.geojson", "--unit", "us-ft", "--out", "-"]);
+    assert!(read.status.success() && String::from_utf8_lossy(&read.stdout).contains("30.48"), "{read:?}");
     // A drawing has no dark walls.
     fs::write(path.join("empty.dxf"), "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n").unwrap();
     let found = error(&floorplan(path, &["empty.dxf", "--unit", "m"]));

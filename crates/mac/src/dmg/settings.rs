@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
+use sextant_kernel::text::counted;
 
 use super::edca::AccessCategory;
 use super::frame::{MAX_MEASUREMENTS, brp_octets};
 use super::sector::SectorLayout;
-use super::timing::{MBIFS, SIFS, SSW_FEEDBACK_AIRTIME, control_airtime, slot_duration};
+use super::timing::{MBIFS, SIFS, SLOT, SSW_FEEDBACK_AIRTIME, control_airtime, slot_duration};
 
 /// Longest window for answers (ms).
 const MAX_WINDOW_MS: f64 = 1000.0;
@@ -188,9 +189,10 @@ impl SweepSettings {
     /// These settings for responders whose antenna has the sectors of `layout`.
     ///
     /// # Errors
-    /// If the antenna cannot answer in a slot.
+    /// If the antenna cannot answer in a slot, or not even an answer without backoff ends in the window.
     pub fn answers(self, layout: SectorLayout) -> Result<AnswerSettings, SettingError> {
         self.check_responder(&layout)?;
+        self.check_window(&layout)?;
         Ok(AnswerSettings { sweep: self.with_longest_answer(layout.sweep_duration()), layout })
     }
 
@@ -240,6 +242,26 @@ impl SweepSettings {
     pub(super) fn taken_after_feedback(&self, sectors: u16) -> Duration {
         let measurements = u8::try_from(sectors).unwrap_or(u8::MAX).min(MAX_MEASUREMENTS);
         if self.reports_all_sectors() { SIFS + control_airtime(brp_octets(measurements)) } else { Duration::ZERO }
+    }
+
+    /// Whether an answer that begins as early as it may ends in the window.
+    ///
+    /// # Errors
+    /// If it does not, so that no answer would ever be sent.
+    fn check_window(&self, layout: &SectorLayout) -> Result<(), SettingError> {
+        let least = self.access_category.aifs() + layout.sweep_duration();
+        if matches!(self.contention, Contention::Abft(_)) || self.window >= least {
+            return Ok(());
+        }
+        let ms = |span: Duration| span.as_nanos().div_ceil(1000) as f64 / 1e3;
+        let longest = least + SLOT * self.access_category.cw_min();
+        let allowed = format!(
+            "at least {} for the {} of an answer after AIFS, and {} for the longest first backoff too",
+            ms(least),
+            counted(usize::from(layout.total()), "frame"),
+            ms(longest)
+        );
+        Err(SettingError::new("window_ms", ms(self.window), allowed))
     }
 
     /// Whether a responder with these sectors can answer.
@@ -360,5 +382,25 @@ mod tests {
         assert_eq!(refused(&[64]), None);
         assert_eq!(refused(&[4, 4]).as_deref(), Some("contention.abft"));
         assert_eq!(settings.window(), Duration::from_micros(8 * 163));
+    }
+
+    #[test]
+    fn a_window_in_which_no_answer_ends_is_refused() {
+        let refused = |contention, window_ms, sectors: u8| {
+            let config = SweepConfig { contention, window_ms, ..SweepConfig::default() };
+            let settings = SweepSettings::try_from(config).expect("good settings");
+            let layout = SectorLayout::new(&[sectors]).expect("a good layout");
+            settings.answers(layout).err().map(|error| (error.key.clone(), error.to_string()))
+        };
+        // AIFS of 18 us, and 8 frames of 14.909 us with 7 gaps of 1 us.
+        let (key, message) = refused(ContentionConfig::Csma, 0.144, 8).expect("too short");
+        assert_eq!(key, "window_ms");
+        for part in ["0.144", "at least 0.145 for the 8 frames", "0.22 for the longest first backoff"] {
+            assert!(message.contains(part), "{message}");
+        }
+        assert_eq!(refused(ContentionConfig::Csma, 0.145, 8), None);
+        assert_eq!(refused(ContentionConfig::Csma, 0.144, 7), None);
+        // Slots have their own time.
+        assert_eq!(refused(abft(8, 8), 0.1, 8), None);
     }
 }

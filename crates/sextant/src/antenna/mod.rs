@@ -1,6 +1,7 @@
 //! Antennas as files: what an antenna with sectors does in each direction, and measurements of others as code books.
 
 mod book_file;
+mod boresight;
 mod convert;
 mod coverage;
 

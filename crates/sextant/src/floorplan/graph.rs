@@ -10,6 +10,8 @@ pub(super) struct WallLine {
     pub(super) line: Vec<Cell>,
     /// Mean thickness (cells).
     pub(super) thickness: f64,
+    /// Of its first and its last place, whether the wall ends there and meets no other one.
+    pub(super) is_free: [bool; 2],
 }
 
 /// A line between two meeting points, or free ends.
@@ -277,16 +279,18 @@ fn join(strokes: &[Stroke], meetings: &[Cell], partners: &[[Option<End>; 2]]) ->
             }
         };
         let is_ring = partners[start.0][start.1].is_some();
+        let is_open = !is_ring && !strokes[start.0].is_closed;
+        let is_free = [start, last].map(|(stroke, end)| is_open && strokes[stroke].ends[end].is_none());
         if is_ring && let Some(node) = strokes[start.0].ends[start.1] {
             line.push(meetings[node]);
             line.insert(0, meetings[node]);
-        } else if !strokes[start.0].is_closed {
+        } else if is_open {
             finish(&mut line, strokes, meetings, partners, last);
             line.reverse();
             finish(&mut line, strokes, meetings, partners, start);
             line.reverse();
         }
-        lines.push(WallLine { line, thickness: area / length });
+        lines.push(WallLine { line, thickness: area / length, is_free });
     }
     lines
 }

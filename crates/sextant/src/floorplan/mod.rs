@@ -3,11 +3,13 @@
 mod blobs;
 mod dxf;
 mod error;
+mod faces;
 mod geojson;
 mod graph;
 mod image;
 mod lines;
 mod occupancy;
+mod reference_system;
 mod ros_map;
 mod thinning;
 mod traced;

@@ -68,6 +68,14 @@ impl Mask {
         self.neighbour(cell, direction).is_some_and(|neighbour| self.cells[neighbour])
     }
 
+    /// Whether the cell of this column and row, which may be beyond the picture, is in the set.
+    pub(super) fn has_at(&self, [column, row]: [f64; 2]) -> bool {
+        let is_inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the picture")]
+        let is_in = is_inside && self.cells[row as usize * self.width + column as usize];
+        is_in
+    }
+
     /// The neighbours of a cell in the set, those beside it before those at its corners.
     pub(super) fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> {
         [0, 2, 4, 6, 1, 3, 5, 7]

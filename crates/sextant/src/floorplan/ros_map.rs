@@ -14,11 +14,26 @@ pub(super) struct RosMap {
     resolution_m: f64,
     /// Where the lower left corner is, and how the map is turned (rad).
     origin: [f64; 3],
-    negate: bool,
+    mode: Mode,
     occupied: f64,
 }
 
-/// Reads `map.yaml`: keys `image`, `resolution`, `origin`, `negate`, `occupied_thresh`.
+/// How a shade says whether a cell is occupied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    /// The darker, the likelier (`trinary` and `scale`, which differ in free cells alone).
+    Dark,
+    /// The lighter, the likelier.
+    Light,
+    /// The value is the occupancy in percent, and what is above 100 is unknown, whatever `negate` says (`raw`; ROS 2, package
+    /// `nav2_map_server`, `map_io.cpp`).
+    Percent,
+}
+
+/// The greatest turn of a map that is in radians.
+const MOST_YAW_RAD: f64 = std::f64::consts::TAU;
+
+/// Reads `map.yaml`: keys `image`, `resolution`, `origin`, `negate`, `mode`, `occupied_thresh`.
 ///
 /// # Errors
 /// If it cannot be read, or a key is missing or invalid.
@@ -54,22 +69,39 @@ fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
         [x_m, y_m, yaw_rad] => [x_m, y_m, yaw_rad],
         _ => return Err(format!("`origin` is {origin}; allowed: [x, y, yaw] on one line")),
     };
+    if origin[2].abs() > MOST_YAW_RAD {
+        return Err(format!("`origin` has a yaw of {}; allowed: -6.283 to 6.283 radians", origin[2]));
+    }
     let negate = match value("negate").as_deref() {
         None | Some("0" | "false") => false,
         Some("1" | "true") => true,
         Some(other) => return Err(format!("`negate` is `{other}`; allowed: 0 or 1")),
     };
+    let mode = match value("mode").as_deref() {
+        None | Some("trinary" | "scale") if negate => Mode::Light,
+        None | Some("trinary" | "scale") => Mode::Dark,
+        Some("raw") => Mode::Percent,
+        Some(other) => return Err(format!("`mode` is `{other}`; allowed: trinary, scale, raw")),
+    };
     let occupied = value("occupied_thresh").map(|text| number("occupied_thresh", &text)).transpose()?;
+    let occupied = occupied.unwrap_or(0.65);
+    if !(0.0..=1.0).contains(&occupied) {
+        return Err(format!("`occupied_thresh` is {occupied}; allowed: 0 to 1"));
+    }
     let image = folder.join(required("image")?);
-    Ok(RosMap { image, resolution_m, origin, negate, occupied: occupied.unwrap_or(0.65) })
+    Ok(RosMap { image, resolution_m, origin, mode, occupied })
 }
 
 impl RosMap {
     /// Which cells of its image are occupied. Cells that are unknown are free.
     pub(super) fn occupancy(&self, picture: &Picture) -> Occupancy {
         let is_occupied = |&grey: &u8| {
-            let dark = if self.negate { f64::from(grey) } else { 255.0 - f64::from(grey) };
-            dark / 255.0 > self.occupied
+            let grey = f64::from(grey);
+            match self.mode {
+                Mode::Dark => (255.0 - grey) / 255.0 > self.occupied,
+                Mode::Light => grey / 255.0 > self.occupied,
+                Mode::Percent => grey <= 100.0 && grey / 100.0 > self.occupied,
+            }
         };
         Occupancy {
             width: picture.width,
@@ -91,10 +123,24 @@ mod tests {
         let text = "image: floor.pgm\nmode: trinary\nresolution: 0.05 # m\norigin: [-3.5, 2, 0.1]\nnegate: 0\noccupied_thresh: 0.7\n";
         let map = parse(text, Path::new("/maps")).unwrap();
         assert_eq!(map.image, Path::new("/maps/floor.pgm"));
-        assert_eq!((map.resolution_m, map.origin, map.negate, map.occupied), (0.05, [-3.5, 2.0, 0.1], false, 0.7));
+        assert_eq!((map.resolution_m, map.origin, map.mode, map.occupied), (0.05, [-3.5, 2.0, 0.1], Mode::Dark, 0.7));
         let picture = Picture { width: 3, height: 1, grey: vec![0, 205, 254] };
         assert_eq!(map.occupancy(&picture).cells, [true, false, false]);
+        let of_mode = |line: &str, grey: Vec<u8>| {
+            let map = parse(&format!("image: a.pgm\nresolution: 1\n{line}"), Path::new("")).unwrap();
+            map.occupancy(&Picture { width: grey.len(), height: 1, grey }).cells
+        };
+        let shades = || vec![0, 64, 66, 100, 101, 205, 255];
+        let is = |walls: [u8; 7]| walls.map(|wall| wall == 1).to_vec();
+        assert_eq!(of_mode("", shades()), is([1, 1, 1, 0, 0, 0, 0]));
+        assert_eq!(of_mode("mode: scale\nnegate: 1\n", shades()), is([0, 0, 0, 0, 0, 1, 1]));
+        // Percent: 65 and less is below the threshold, above 100 is unknown. It is never negated.
+        assert_eq!(of_mode("mode: raw\n", shades()), is([0, 0, 1, 1, 0, 0, 0]));
+        assert_eq!(of_mode("mode: raw\nnegate: 1\n", shades()), is([0, 0, 1, 1, 0, 0, 0]));
         for (text, problem) in [
+            ("image: a.pgm\nresolution: 1\noccupied_thresh: 1.65\n", "`occupied_thresh` is 1.65; allowed: 0 to 1"),
+            ("image: a.pgm\nresolution: 1\nmode: cooked\n", "`mode` is `cooked`; allowed: trinary, scale, raw"),
+            ("image: a.pgm\nresolution: 1\norigin: [0, 0, 90]\n", "a yaw of 90; allowed: -6.283 to 6.283 radians"),
             ("resolution: 0.05\n", "`image` is missing"),
             ("image: a.pgm\n", "`resolution` is missing"),
             ("image: a.pgm\nresolution: fine\n", "`resolution` is `fine`"),

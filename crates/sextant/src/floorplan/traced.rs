@@ -4,6 +4,7 @@ use sextant_channel::{ObstacleConfig, PrismConfig, ShapeConfig, WallConfig};
 use sextant_kernel::text::counted;
 use sextant_mapper::convex_hull;
 
+use super::faces::{between_faces, meet_faces};
 use super::graph::{WallLine, wall_lines};
 use super::lines::{Cell, distance, simplified, squared};
 use super::occupancy::{Mask, Occupancy};
@@ -35,7 +36,10 @@ pub(super) fn plan(occupancy: &Occupancy, options: &FloorPlanOptions) -> FloorPl
     }
     let depths = walls.depths();
     let mut short = 0;
-    for wall in wall_lines(&walls, &thinned(&walls), &depths) {
+    let mut lines = wall_lines(&walls, &thinned(&walls), &depths);
+    lines.iter_mut().for_each(|wall| *wall = between_faces(&straightened(wall), &walls));
+    meet_faces(&mut lines);
+    for wall in lines {
         match made(&wall, occupancy, options) {
             Some((made, line)) => {
                 cover(&mut covered, &line, wall.thickness);
@@ -140,11 +144,17 @@ fn add_block(
     });
 }
 
-/// A wall along a line, and the line that it has in cells; `None` if it is shorter than thick.
-fn made(wall: &WallLine, occupancy: &Occupancy, options: &FloorPlanOptions) -> Option<(WallConfig, Vec<Cell>)> {
+/// The wall with few corners, and what is nearly along an axis along it.
+fn straightened(wall: &WallLine) -> WallLine {
     let tolerance = (0.6 * wall.thickness).max(1.0);
     let mut line = squared(simplified(&wall.line, tolerance), tolerance.max(1.5));
     line.dedup_by(|a, b| distance(*a, *b) <= 0.0);
+    WallLine { line, ..wall.clone() }
+}
+
+/// A wall along a line, and the line that it has in cells; `None` if it is shorter than thick.
+fn made(wall: &WallLine, occupancy: &Occupancy, options: &FloorPlanOptions) -> Option<(WallConfig, Vec<Cell>)> {
+    let mut line = wall.line.clone();
     let length: f64 = line.windows(2).map(|leg| distance(leg[0], leg[1])).sum();
     if line.len() < 2 || length < wall.thickness {
         return None;
@@ -233,6 +243,88 @@ mod tests {
             "{:?}",
             plan.notes
         );
+    }
+
+    /// The picture seen in a mirror: its columns in the other order, or its rows.
+    fn mirrored(occupancy: &Occupancy, axis: usize) -> Occupancy {
+        let (width, height) = (occupancy.width, occupancy.height);
+        let from = |cell: usize| {
+            let (column, row) = (cell % width, cell / width);
+            if axis == 0 { row * width + width - 1 - column } else { (height - 1 - row) * width + column }
+        };
+        let cells = (0..width * height).map(|cell| occupancy.cells[from(cell)]).collect();
+        Occupancy { width, height, cells, pixel_m: occupancy.pixel_m, origin_m: [0.0, 0.0], turn_rad: 0.0 }
+    }
+
+    /// Corners in the order of x and y, rounded to tenths of a millimetre.
+    fn corners(plan: &FloorPlan) -> Vec<[i64; 2]> {
+        let points = plan.walls.iter().flat_map(|wall| &wall.points_m);
+        #[expect(clippy::cast_possible_truncation, reason = "a few metres")]
+        let mut corners: Vec<[i64; 2]> =
+            points.map(|point| point.map(|length_m| (1e4 * length_m).round() as i64)).collect();
+        corners.sort_unstable();
+        corners
+    }
+
+    #[test]
+    fn straight_walls_are_where_their_pixels_are() {
+        for wide in 1..=6 {
+            for (vertical, at) in [(true, 0), (false, 1)] {
+                let bar = if vertical { [20, 20, wide, 70] } else { [20, 20, 70, wide] };
+                let plain = floor(110, 100, &[bar]);
+                for (picture, mirror) in [(mirrored(&plain, 0), [true, false]), (mirrored(&plain, 1), [false, true])]
+                {
+                    let size_m = [110.0 * 0.05, 100.0 * 0.05];
+                    // Row 20 is 20 pixels below the top.
+                    let middle_m = [0.05 * (20.0 + 0.5 * wide as f64), 0.05 * (80.0 - 0.5 * wide as f64)];
+                    let ends_m = [[1.0, 4.5], [0.5, 4.0]];
+                    for (picture, mirror) in [(&plain, [false, false]), (&picture, mirror)] {
+                        let seen = |axis: usize, m: f64| if mirror[axis] { size_m[axis] - m } else { m };
+                        let wall = &read(picture).walls[0];
+                        let (across, along) = (at, 1 - at);
+                        let mut expected = ends_m[along].map(|m| seen(along, m));
+                        expected.sort_by(f64::total_cmp);
+                        let mut found = [0, 1].map(|end| wall.points_m[end][along]);
+                        found.sort_by(f64::total_cmp);
+                        let middle = seen(across, middle_m[across]);
+                        assert!(wall.points_m.len() == 2, "{wide}, {vertical}, {mirror:?}: {wall:?}");
+                        assert!(
+                            wall.points_m.iter().all(|point| (point[across] - middle).abs() < 1.1e-3),
+                            "{wall:?}"
+                        );
+                        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.1e-3), "{wall:?}");
+                        assert!((wall.thickness_m - 0.05 * wide as f64).abs() < 1e-9, "{wall:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn mirrored_pictures_have_mirrored_walls() {
+        for wide in 1..=4 {
+            let room = [
+                [10, 10, 120, wide],
+                [10, 10, wide, 80],
+                [130 - wide, 10, wide, 80],
+                [10, 90 - wide, 50, wide],
+                [78, 90 - wide, 52, wide],
+                [70, 10, wide, 50],
+            ];
+            let plain = floor(141, 103, &room);
+            let found = corners(&read(&plain));
+            for axis in 0..2 {
+                let size = [70_500, 51_500][axis];
+                let mut seen: Vec<[i64; 2]> = corners(&read(&mirrored(&plain, axis)));
+                seen.iter_mut().for_each(|corner| corner[axis] = size - corner[axis]);
+                seen.sort_unstable();
+                let is_same = |(a, b): (&[i64; 2], &[i64; 2])| (0..2).all(|part| (a[part] - b[part]).abs() <= 15);
+                assert!(
+                    seen.len() == found.len() && seen.iter().zip(&found).all(is_same),
+                    "{wide}, {axis}: {seen:?} {found:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -66,6 +66,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     warnings.out_of_reach(&planned);
     warnings.sinks(&reaches);
     reaches.iter().for_each(|reach| warnings.endless_cuts(reach));
+    reaches.iter().for_each(|reach| warnings.sunk_stations(reach));
     reaches.iter().for_each(|reach| warnings.changes(reach));
     warnings.obstacles(&reaches, &planned);
     warnings.found
@@ -229,6 +230,32 @@ impl Warnings<'_> {
                 );
             }
         }
+    }
+
+    /// Stations that are not above the ground, so that it reflects nothing to them.
+    fn sunk_stations(&mut self, reach: &Reach<'_>) {
+        let Some(ground_m) = reach.law().ground_z_m() else { return };
+        let nodes = reach.nodes.iter().map(|(_, place)| place.z_m);
+        let robots = self.setup.robots.iter().filter(|robot| robot.body.networks.contains(&reach.id));
+        let sinks = self.setup.sinks.iter().filter(|sink| sink.is_in(reach.id));
+        let heights_m: Vec<f64> = nodes
+            .chain(robots.map(|robot| robot.body.start.z_m))
+            .chain(sinks.map(|sink| sink.position.z_m))
+            .collect();
+        let sunk = heights_m.iter().filter(|&&z_m| z_m <= ground_m).count();
+        if sunk == 0 || !self.setup.world.motions.is_empty() {
+            return;
+        }
+        let lowest_m = heights_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let table = reach.table();
+        self.warn(
+            format!("{table}channel.reflections.ground_z_m"),
+            format!(
+                "{sunk} of {} are not above the ground at {ground_m} m, which reflects nothing to them; put it below the lowest one, \
+                 at {lowest_m} m",
+                counted(heights_m.len(), "station"),
+            ),
+        );
     }
 
     /// Stops at which a node may well send nothing.

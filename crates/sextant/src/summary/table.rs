@@ -128,7 +128,11 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
     row("ranges", gathering.ranges.map(|ranges| ranges.to_string()), "that robots measured");
     row("lost to collisions", count(gathering.lost_collision), "");
-    row("lost to a busy channel", count(gathering.lost_channel_access), "");
+    let (unsent, why) = match gathering.sweeps {
+        Some(_) => ("lost before sending", "the window for answers ended; without sweeps, the channel was busy"),
+        None => ("lost to a busy channel", ""),
+    };
+    row(unsent, count(gathering.lost_channel_access), why);
     row("lost to a weak signal", count(gathering.lost_signal), "");
     row("sent out of range", count(gathering.out_of_range), "");
     row("lost to a full queue", count(gathering.lost_queue), "");

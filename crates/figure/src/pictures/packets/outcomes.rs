@@ -19,7 +19,7 @@ pub(super) const FATES: [(&str, &str); 9] = [
     ("lost_signal", "weak signal"),
     ("not_listened", "no receiver listened"),
     ("out_of_range", "out of range"),
-    ("lost_channel_access", "busy channel"),
+    ("lost_channel_access", "no channel access"),
     ("lost_queue", "queue full"),
     ("died", "node died"),
     ("pending", "pending at the end"),

@@ -23,7 +23,7 @@ impl Owner {
     pub(super) fn of(number: f64, place: impl Fn() -> String) -> Result<Self, ConvertError> {
         if number.fract().abs() > 0.0 || !(0.0..SECTORS).contains(&number) {
             let (found, allowed) = (format!("sector {number}"), "whole numbers from 0 to 63".to_owned());
-            return Err(ConvertError::Invalid { place: place(), found, allowed });
+            return Err(ConvertError::Identity { place: place(), found, allowed });
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number below 64")]
         let sector = number as u8;
@@ -173,15 +173,17 @@ impl Rows {
 
 /// Azimuth from −180 to below 180 degrees, and elevation from the horizontal plane.
 fn directed(row: &TableRow, place: impl Fn() -> String) -> Result<(Angle, Angle), ConvertError> {
-    let invalid = |found: String, allowed: &str| {
-        Err(ConvertError::Invalid { place: place(), found, allowed: allowed.to_owned() })
-    };
     if !(-90.0..=90.0).contains(&row.elevation_deg) {
-        let allowed = "-90 to 90 degrees from the horizontal plane; angles from the zenith need a word";
-        return invalid(format!("elevation {}", row.elevation_deg), allowed);
+        let allowed = "-90 to 90 degrees from the horizontal plane; angles from the zenith need a word".to_owned();
+        return Err(ConvertError::Elevation {
+            place: place(),
+            found: format!("elevation {}", row.elevation_deg),
+            allowed,
+        });
     }
     if !(-720.0..=720.0).contains(&row.azimuth_deg) {
-        return invalid(format!("azimuth {}", row.azimuth_deg), "degrees, -720 to 720");
+        let allowed = "degrees, -720 to 720".to_owned();
+        return Err(ConvertError::Invalid { place: place(), found: format!("azimuth {}", row.azimuth_deg), allowed });
     }
     let turned = angle(row.azimuth_deg).rem_euclid(360_000);
     Ok((if turned >= 180_000 { turned - 360_000 } else { turned }, angle(row.elevation_deg)))

@@ -52,6 +52,26 @@ pub enum ConvertError {
         /// What is allowed.
         allowed: String,
     },
+    /// An elevation is beyond the vertical.
+    #[error("{place}: {found}; allowed: {allowed}")]
+    Elevation {
+        /// Where it is.
+        place: String,
+        /// The elevation.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// No sector has this number.
+    #[error("{place}: {found}; allowed: {allowed}")]
+    Identity {
+        /// Where it is.
+        place: String,
+        /// The number.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
     /// An option does not fit the format.
     #[error("option `{option}` is {found}; allowed: {allowed}")]
     Option {

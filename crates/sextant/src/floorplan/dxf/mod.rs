@@ -32,7 +32,8 @@ pub(super) fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan,
     let drawing = pairs::pairs(&text).and_then(|pairs| drawing(&pairs)).map_err(content)?;
     let unit = match (options.unit, LengthUnit::of_code(drawing.unit)) {
         (Some(unit), _) | (None, Some(unit)) => unit,
-        (None, None) => return Err(FloorPlanError::NoUnit { path: path.to_owned() }),
+        (None, None) if drawing.unit == 0 => return Err(FloorPlanError::NoUnit { path: path.to_owned() }),
+        (None, None) => return Err(content(unit::unusual(drawing.unit))),
     };
     let mut plan = FloorPlan::default();
     let mut missing = BTreeMap::new();

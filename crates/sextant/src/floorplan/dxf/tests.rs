@@ -171,6 +171,42 @@ fn layers_and_units_are_chosen() {
 }
 
 #[test]
+fn units_of_surveys_are_known_and_those_of_no_building_are_named() {
+    let of = |code: i64| {
+        let header = format!("9 $INSUNITS, 70 {code}");
+        read_text(
+            drawn(&[("HEADER", &header), ("ENTITIES", "0 LINE, 8 0, 10 0, 20 0, 11 3937, 21 0")]).as_bytes(),
+            &FloorPlanOptions::default(),
+        )
+    };
+    for (code, length_m, name) in [
+        (21, 1200.0, "US survey feet"),
+        (22, 100.0, "US survey inches"),
+        (23, 3600.0, "US survey yards"),
+        (2, 1199.998, "feet"),
+        (3, 6_335_987.328, "miles"),
+        (9, 0.1, "mils"),
+        (15, 39_370.0, "decametres"),
+        (16, 393_700.0, "hectometres"),
+    ] {
+        let found = of(code);
+        // A wall of a decimetre is shorter than thick, and one of kilometres is told.
+        let Ok(plan) = found else { panic!("{code}: {found:?}") };
+        assert!(plan.notes.iter().any(|note| note.contains(&format!("in {name}, as"))), "{:?}", plan.notes);
+        assert!(plan.walls.is_empty() || (plan.length_m() - length_m).abs() < 0.01, "{code}: {}", plan.length_m());
+    }
+    for (code, said) in [
+        (8, "in microinches ($INSUNITS is 8)"),
+        (11, "in angstroms"),
+        (20, "in parsecs"),
+        (99, "$INSUNITS is 99, which"),
+    ] {
+        let error = of(code).unwrap_err().to_string();
+        assert!(error.contains(said) && error.contains("option `unit`"), "{error}");
+    }
+}
+
+#[test]
 fn what_is_wrong_with_a_drawing_is_told() {
     let line = |x: &str| drawn(&[IN_MM, ("ENTITIES", &format!("0 LINE, 8 0, 10 0, 20 0, 11 {x}, 21 0"))]);
     let ring = drawn(&[

@@ -14,7 +14,11 @@ pub(super) const RUN: &[KnownMeasure<'static>] = &[
     known("gathering.packets_sent", Count, "packets sent during the survey: on air at least once"),
     known("gathering.packets_received", Count, "packets received by robots: each counts once"),
     known("gathering.lost_collision", Count, "packets lost to collisions at robots"),
-    known("gathering.lost_channel_access", Count, "packets never sent during the survey: the channel was busy"),
+    known(
+        "gathering.lost_channel_access",
+        Count,
+        "packets never sent during the survey: the channel was busy, or the window for answers to a sweep ended",
+    ),
     known("gathering.lost_signal", Count, "packets too weak at robots in range"),
     known("gathering.ranges", Count, "ranges that robots measured"),
     known("gathering.sector_reports.asked", Count, "reports of all sectors that robots asked for in sector sweeps"),
