@@ -119,6 +119,20 @@ fn map(folder: &Path, log: &str, words: &[&str]) -> Result<Value, String> {
 }
 
 #[test]
+fn answers_that_the_window_ends_are_not_said_to_be_lost_to_a_busy_channel() {
+    let folder = TempDir::new().unwrap();
+    // Answers with a backoff of one slot at most end in it.
+    let text = small_survey().replace("mac.sector_sweep]", "mac.sector_sweep]\nwindow_ms = 0.15");
+    std::fs::write(folder.path().join("a.toml"), text).unwrap();
+    let output = sextant().current_dir(folder.path()).args(["run", "a.toml", "--quiet"]).output().unwrap();
+    let table = String::from_utf8_lossy(&output.stdout);
+    let row = table.lines().find(|line| line.contains("lost before sending")).unwrap_or_default();
+    assert!(row.contains("the window for answers ended") && !table.contains("busy channel"), "{table}");
+    let lost: u64 = row.split_whitespace().find_map(|word| word.parse().ok()).unwrap();
+    assert!(lost > 0, "{table}");
+}
+
+#[test]
 fn a_recording_of_sector_sweeps_is_mapped_as_in_the_run() {
     let (folder, found) = run_text(&one(), &[]);
     let path = folder.path().join("run.mcap");

@@ -150,4 +150,7 @@ fn what_cannot_be_trained_is_refused_at_its_key() {
     let many = scenario.with("applications.0.algorithm.beam_tracking.retrain.predicted.sectors", 33);
     let problem = many.err().expect("a refusal").to_string();
     assert!(problem.contains("1 to 32, the sectors of a robot"), "{problem}");
+    let even = scenario.with("antenna.nodes", "{ omnidirectional = {} }");
+    let problem = even.err().expect("a refusal").to_string();
+    assert!(problem.contains("with nodes whose antenna has no sectors"), "{problem}");
 }
