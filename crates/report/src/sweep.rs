@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use sextant::summary::Unit;
 use sextant_study::sweep::{FinishedTable, exact_number, students_t_975};
 
 use super::column::Column;
@@ -37,6 +38,9 @@ pub struct SweepColumn {
     /// What it is called on an axis, if it is one of the usual measures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
+    /// Whether it is 1 or 0 a run: its interval is that of a share.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_outcome: bool,
     /// The values.
     pub values: SweepValues,
 }
@@ -97,15 +101,17 @@ impl SweepTable {
         let setting = |column: usize| SweepColumn {
             name: table.columns()[column].clone(),
             label: None,
+            is_outcome: false,
             values: values(runs.iter().map(|&run| table.cell(run, column)).collect()),
         };
         let mut measures = Vec::new();
         for column in table.measures() {
             let name = &table.columns()[column];
+            let is_outcome = table.known(column).is_some_and(|measure| measure.unit() == Unit::Outcome);
             let label = table.known(column).filter(|_| table.is_usual(column)).map(|measure| measure.label());
             if !table.is_of_maps(column) {
                 let cells = runs.iter().map(|&run| table.cell(run, column)).collect();
-                measures.push(SweepColumn { name: name.clone(), label, values: values(cells) });
+                measures.push(SweepColumn { name: name.clone(), label, is_outcome, values: values(cells) });
                 continue;
             }
             // A row of the report is a run, so that a measure of maps has a column for each of them.
@@ -116,7 +122,8 @@ impl SweepTable {
                     _ => format!("{map}: {label}"),
                 });
                 let cells = runs.iter().map(cell).collect();
-                measures.push(SweepColumn { name: format!("{map}.{name}"), label, values: values(cells) });
+                let name = format!("{map}.{name}");
+                measures.push(SweepColumn { name, label, is_outcome, values: values(cells) });
             }
         }
         measures.retain(|column| !column.values.is_empty());

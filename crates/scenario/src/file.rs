@@ -6,8 +6,7 @@ use std::sync::Arc;
 use sextant_kernel::LARGEST_FILE;
 use sextant_recording::ForeignFolder;
 
-use super::document::Document;
-use super::document::layers;
+use super::document::{self, Document, Value, layers};
 use super::error::{ScenarioError, ScenarioErrors};
 use super::sweep::SweepAxes;
 
@@ -71,6 +70,18 @@ impl ScenarioFile {
     /// Where the files are that it was read from: those that it extends, then itself.
     pub fn layers(&self) -> impl Iterator<Item = &Path> {
         self.document.sources.iter().map(|source| Path::new(&source.name))
+    }
+
+    /// The files that it and those below it extend, as they are written there.
+    pub fn bases(&self) -> impl Iterator<Item = PathBuf> {
+        let sources = &self.document.sources;
+        (0..sources.len()).filter_map(|i| match document::parse(sources, i).ok()?.value {
+            Value::Table(mut table) => match table.remove("extends")?.value {
+                Value::String(file) => Some(PathBuf::from(file)),
+                _ => None,
+            },
+            _ => None,
+        })
     }
 
     /// What its `[sweep]` varies, with the settings `set`. The keys of `product` keep the order of the file, and the last

@@ -43,7 +43,7 @@ mod source;
 mod survey_identity;
 mod sweep;
 pub mod template;
-mod unit;
+pub mod unit;
 
 pub use check::maps::MapJob;
 pub use check::missions::distributed::NodeMapJob;

@@ -11,15 +11,18 @@ const UNITS: &[(&str, &str)] = &[
     ("m_per_s", "m/s"),
     ("per_s", "1/s"),
     ("per_min", "1/min"),
+    ("per_h", "1/h"),
     ("per_year", "1/year"),
     ("db_per_km", "dB/km"),
     ("db_per_m", "dB/m"),
+    ("per_m2", "1/m²"),
     ("per_m", "1/m"),
     ("dbm", "dBm"),
     ("dbi", "dBi"),
     ("db", "dB"),
     ("ghz", "GHz"),
     ("mhz", "MHz"),
+    ("khz", "kHz"),
     ("hz", "Hz"),
     ("deg", "degrees"),
     ("rad", "rad"),
@@ -35,17 +38,24 @@ const UNITS: &[(&str, &str)] = &[
     ("ma", "mA"),
     ("mb", "MB"),
     ("mw", "mW"),
+    ("w", "W"),
     ("v", "V"),
     ("j", "J"),
 ];
 
 /// The unit that the key `name` ends in.
 pub(crate) fn of(name: &str) -> Option<&'static str> {
-    let fits = |ending: &str| {
-        name.strip_suffix(ending)
-            .is_some_and(|before| before.ends_with('_') || (before.is_empty() && ending.len() > 1))
-    };
-    UNITS.iter().find(|(ending, _)| fits(ending)).map(|(_, unit)| *unit)
+    split(name).map(|(_, unit)| unit)
+}
+
+/// The name of a key without the unit that it ends in, and that unit: `speed` and `m/s` of `speed_m_per_s`. The name is empty
+/// if the key is the unit alone.
+#[must_use]
+pub fn split(name: &str) -> Option<(&str, &'static str)> {
+    UNITS.iter().find_map(|(ending, unit)| match name.strip_suffix(ending)? {
+        "" if ending.len() > 1 => Some(("", *unit)),
+        before => before.strip_suffix('_').map(|before| (before, *unit)),
+    })
 }
 
 #[cfg(test)]
@@ -63,6 +73,8 @@ mod tests {
             ("db_per_km", Some("dB/km")),
             ("tx_power_dbm", Some("dBm")),
             ("length_noise_m_per_sqrt_m", Some("m/√m")),
+            ("false_alarms_per_h", Some("1/h")),
+            ("lifetime_h", Some("h")),
             ("exponent", None),
             ("maps", None),
             ("robots", None),

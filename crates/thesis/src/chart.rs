@@ -59,7 +59,8 @@ pub enum Across {
 }
 
 impl Chart {
-    /// The figure, with the mean of each measure that has values, and its 95 % interval except of plain curves.
+    /// The figure, with the mean of each measure that has values, or the share of an outcome, and its 95 % interval except of
+    /// plain curves.
     pub(super) fn figure(&self, runs: &Runs) -> Figure {
         let curves = Curves {
             title: self.title.clone(),
@@ -95,23 +96,22 @@ impl ChartKind {
     fn shown(self, series: Series) -> Series {
         match self {
             Self::Curves | Self::Bars => series,
-            Self::PlainCurves => Series { half_widths: Vec::new(), ..series },
+            Self::PlainCurves => Series { intervals: Vec::new(), ..series },
         }
     }
 }
 
 impl ChartLine {
     fn series(&self, values: Values, runs: &Runs) -> Series {
-        let mut series = Series { name: self.name.clone(), points: Vec::new(), half_widths: Vec::new() };
+        let mut series = Series { name: self.name.clone(), points: Vec::new(), intervals: Vec::new() };
         for (across, term) in &self.points {
-            let (Some(x), Some(mean)) = (across.value(runs), runs.mean(term)) else { continue };
+            let (Some(x), Some(average)) = (across.value(runs), runs.average(term)) else { continue };
             let factor = match values {
                 Values::Printed => term.measure.unit().for_people().0,
                 Values::Shares => 1.0,
             };
-            let mean = mean.times(factor);
-            series.points.push((x, mean.mean));
-            series.half_widths.push(mean.half_width_95.unwrap_or(0.0));
+            series.points.push((x, factor * average.value()));
+            series.intervals.push(average.interval_95().map(|ends| ends.map(|end| factor * end)));
         }
         series
     }

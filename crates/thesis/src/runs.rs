@@ -9,7 +9,7 @@ use super::variant::Variant;
 use sextant::summary::Measure;
 use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{self, Mean, RunRow, Share, Sweep};
+use sextant_study::sweep::{self, Average, Mean, RunRow, Share, Sweep};
 
 /// A measure of a cell of a scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -144,6 +144,14 @@ impl Runs {
     pub fn mean(&self, term: &Term) -> Option<Mean> {
         let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
+    }
+
+    /// The average of a term over the successful runs: of an outcome the share of the runs in which it happened, and the mean
+    /// of others. `None` if there are none.
+    #[must_use]
+    pub fn average(&self, term: &Term) -> Option<Average> {
+        let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
+        Average::of(term.measure.unit(), &values)
     }
 
     /// The share of the successful runs in which the outcome of a term happened; `None` if there are none.

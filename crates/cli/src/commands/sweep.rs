@@ -45,7 +45,8 @@ pub(crate) struct Arguments {
     /// Runs of each cell, with the seeds seed, seed + 1, ..; overrides that of the scenario. More than a table has extend it
     #[arg(long, value_name = "N")]
     pub(crate) runs: Option<NonZeroU32>,
-    /// Do only part I of N of the work (I from 1 to N). The tables of all parts together have all rows
+    /// Do only part I of N of the work (I from 1 to N): each N-th survey from the I-th on. The tables of all parts together
+    /// have all rows
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub(crate) shard: Shard,
     /// Continue a sweep that was interrupted. Of a plan: submit what is missing or failed

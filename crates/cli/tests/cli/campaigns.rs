@@ -305,4 +305,11 @@ fn a_file_that_cannot_move_is_refused() {
     let message = command.output().unwrap().refusal();
     assert!(message.contains("allowed in a plan: paths relative to the scenario"), "{message}");
     assert!(!study.file("plan/plan.json").exists());
+    fs::write(study.file("study/base.toml"), text).unwrap();
+    let base = format!("extends = '{}'", study.file("study/base.toml").display());
+    let own = fs::read_to_string(study.scenario()).unwrap();
+    fs::write(study.scenario(), own.replace("extends = \"../base.toml\"", &base)).unwrap();
+    let message = command.output().unwrap().refusal();
+    assert!(message.contains("study/base.toml`; allowed in a plan: paths relative to the scenario"), "{message}");
+    assert!(!study.file("plan").exists(), "nothing is begun");
 }

@@ -286,7 +286,11 @@ fn invalid_tables_are_refused_at_their_key() {
             "`robots[0].role` is \"anchor\"",
             "[distributed_mapping]",
         ),
-        (good.replace("anchors.share = 0.15", "anchors.share = 0.0"), "`anchors` is missing", "that knows its place"),
+        (
+            good.replace("anchors.share = 0.15", "anchors.share = 0.0"),
+            "`anchors` is 0 of the 60 nodes",
+            "that knows its place",
+        ),
         (
             good.replace("azimuth_sectors = 8", "azimuth_sectors = 8\nelevations_deg = [-25, 25]"),
             "`antenna.nodes.sectors.elevations_deg` is 2 rings",

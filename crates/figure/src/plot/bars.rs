@@ -45,15 +45,14 @@ impl Bars {
         let width = FILLED / series.len().max(1) as f64;
         for (i, series) in series.iter().enumerate() {
             let shift = width * i as f64 - FILLED / 2.0;
-            let half_widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
-            for (&(x, y), half) in series.points.iter().zip(half_widths) {
+            for ((x, y), [low, high]) in series.spans() {
                 let (corner, foot) = (axes.at(x + shift, y), axes.at(x + shift + width, 0.0));
                 let area =
                     Area { left: corner.x, top: corner.y, width: foot.x - corner.x, height: foot.y - corner.y };
                 picture.rectangle(area, color(i));
-                if half > 0.0 {
+                if low < high {
                     let middle = x + shift + width / 2.0;
-                    let (low, high) = (axes.at(middle, (y - half).max(0.0)), axes.at(middle, y + half));
+                    let (low, high) = (axes.at(middle, low.max(0.0)), axes.at(middle, high));
                     picture.path_within(axes.area, &[low, high], Stroke::new(INK, 1.0));
                 }
             }
@@ -72,7 +71,7 @@ mod tests {
     #[test]
     fn each_value_is_a_bar_of_its_height_and_bars_do_not_overlap() {
         let series =
-            |y: [f64; 2]| Series { name: "a".into(), points: vec![(0.0, y[0]), (1.0, y[1])], half_widths: vec![] };
+            |y: [f64; 2]| Series { name: "a".into(), points: vec![(0.0, y[0]), (1.0, y[1])], intervals: vec![] };
         let curves = Curves {
             title: "t".into(),
             note: String::new(),

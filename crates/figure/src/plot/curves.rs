@@ -26,8 +26,17 @@ pub struct Series {
     pub name: String,
     /// Its points, in the order of the line.
     pub points: Vec<(f64, f64)>,
-    /// Half the height of the interval at each point; none is drawn where it is 0 or absent.
-    pub half_widths: Vec<f64>,
+    /// The interval at each point, from its low to its high end; none is drawn where it is absent or has no height. Of a curve
+    /// without intervals the list may be empty.
+    pub intervals: Vec<Option<[f64; 2]>>,
+}
+
+impl Series {
+    /// Each point with its interval, which has no height where there is none.
+    pub(super) fn spans(&self) -> impl Iterator<Item = ((f64, f64), [f64; 2])> {
+        let intervals = self.intervals.iter().copied().chain(std::iter::repeat(None));
+        self.points.iter().zip(intervals).map(|(&point, interval)| (point, interval.unwrap_or([point.1; 2])))
+    }
 }
 
 /// Several curves with common axes; the vertical axis has 0.
@@ -97,16 +106,12 @@ impl Curves {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);
         let high = points().map(|point| point.0).fold(f64::NEG_INFINITY, f64::max);
-        let reach = |series: &Series| {
-            let widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
-            series.points.iter().zip(widths).map(|(point, half)| point.1 + half).fold(0.0, f64::max)
-        };
+        let reach = |series: &Series| series.spans().map(|(_, [_, high])| high).fold(0.0, f64::max);
         let top = self.series.iter().map(reach).fold(0.0, f64::max);
         let depth = |series: &Series| {
-            let widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
             // Intervals alone do not need an axis below 0, unless its sign is the question.
             let is_below = drawn == Style::Differences || series.points.iter().any(|point| point.1 < 0.0);
-            let lowest = series.points.iter().zip(widths).map(|(point, half)| point.1 - half).fold(0.0, f64::min);
+            let lowest = series.spans().map(|(_, [low, _])| low).fold(0.0, f64::min);
             if is_below { lowest } else { 0.0 }
         };
         let bottom = self.series.iter().map(depth).fold(0.0, f64::min);
@@ -148,9 +153,8 @@ impl Curves {
             };
             let places: Vec<_> = series.points.iter().map(|&(x, y)| at(x, y)).collect();
             picture.dashed(&places, pattern, stroke);
-            for (&(x, y), &half) in series.points.iter().zip(&series.half_widths).filter(|(_, half)| **half > 0.0) {
-                let (low, high) = (at(x, (y - half).max(floor)), at(x, y + half));
-                picture.line(low, high, Stroke::new(stroke.color, 1.0));
+            for ((x, _), [low, high]) in series.spans().filter(|(_, [low, high])| low < high) {
+                picture.line(at(x, low.max(floor)), at(x, high), Stroke::new(stroke.color, 1.0));
             }
             // Many marks would hide the line.
             let has_marks = drawn != Style::Lines && series.points.len() <= MOST_MARKS;
@@ -173,7 +177,7 @@ mod tests {
         let series = |name: &str, y: f64| Series {
             name: name.into(),
             points: vec![(1.0, y), (2.0, y)],
-            half_widths: vec![0.5; 2],
+            intervals: vec![Some([y - 0.5, y + 0.5]); 2],
         };
         let series = vec![series("a", -1.0), series("b", 2.0)];
         Curves { title: "t".into(), note: String::new(), across: "x".into(), up: "y".into(), series }
@@ -201,7 +205,7 @@ mod tests {
         let above = || {
             let mut curves = two();
             curves.series.remove(0);
-            curves.series[0].half_widths = vec![5.0; 2];
+            curves.series[0].intervals = vec![Some([-3.0, 7.0]); 2];
             curves
         };
         let ticks = |figure: Figure| -> Vec<String> {
@@ -213,6 +217,40 @@ mod tests {
         };
         assert_eq!(ticks(above().figure("t")), [""; 0]);
         assert!(!ticks(above().figure_of_differences("t")).is_empty());
+    }
+
+    #[test]
+    fn an_interval_that_is_not_symmetric_is_drawn_from_its_low_to_its_high_end() {
+        let mut curves = two();
+        curves.series.remove(0);
+        curves.series[0] = Series {
+            name: "b".into(),
+            points: vec![(1.0, 2.0), (2.0, 1.0)],
+            intervals: vec![Some([1.0, 2.0]), None],
+        };
+        let marks = curves.draw().marks;
+        let places: Vec<f64> = marks
+            .iter()
+            .filter_map(|mark| match mark {
+                Mark::Disc { center, fill, .. } if *fill == CURVES[0] => Some(center.y),
+                _ => None,
+            })
+            .collect();
+        let ends: Vec<Vec<f64>> = marks
+            .iter()
+            .filter_map(|mark| match mark {
+                Mark::Path { points, stroke, .. } if stroke.color == CURVES[0] && stroke.width < 1.5 => {
+                    Some(points.iter().map(|point| point.y).collect())
+                }
+                _ => None,
+            })
+            .collect();
+        // It ends at the first point, and begins as low as the second.
+        assert_eq!(ends.len(), 1, "{ends:?}");
+        assert!(
+            (ends[0][0] - places[1]).abs() < 1e-9 && (ends[0][1] - places[0]).abs() < 1e-9,
+            "{ends:?} {places:?}"
+        );
     }
 
     #[test]
@@ -241,7 +279,7 @@ mod tests {
         let series = |name: &str, y: f64| Series {
             name: name.into(),
             points: vec![(0.0, y), (1.0, 2.0 * y)],
-            half_widths: vec![],
+            intervals: vec![],
         };
         let curves = Curves {
             title: "t".into(),

@@ -1,4 +1,4 @@
-// The runs of a sweep as curves of means.
+// The runs of a sweep as curves of means, or of shares of outcomes.
 
 import { exact } from "./format.js";
 import { isolated } from "./text.js";
@@ -7,13 +7,45 @@ import { isolated } from "./text.js";
 export const textOf = (column, row) => (column.values.numbers ? exact(column.values.numbers[row]) : column.values.texts.words[column.values.texts.rows[row]]);
 const last = (name) => name.split(".").pop();
 
-/** Mean and half of the 95 % interval (Student, 1908) of some runs; `half` is null for one run. */
+/** Mean and 95 % interval (Student, 1908) of some runs; its ends are null for one run. */
 export function meanOf(values, quantiles) {
   const n = values.length;
   const mean = values.reduce((sum, value) => sum + value, 0) / n;
-  if (n < 2) return { mean, half: null, n };
+  if (n < 2) return { mean, low: null, high: null, n };
   const variance = values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / (n - 1);
-  return { mean, half: quantiles[n - 2] * Math.sqrt(variance / n), n };
+  const half = quantiles[n - 2] * Math.sqrt(variance / n);
+  return { mean, low: mean - half, high: mean + half, n };
+}
+
+/** Share and 95 % interval (Clopper and Pearson, 1934) of outcomes that are 1 or 0; its ends are null for one run. */
+export function shareOf(outcomes) {
+  const n = outcomes.length;
+  const happened = outcomes.filter((outcome) => outcome > 0.5).length;
+  const mean = happened / n;
+  if (n < 2) return { mean, low: null, high: null, n };
+  return { mean, low: lowEnd(happened, n), high: 1 - lowEnd(n - happened, n), n };
+}
+
+/** The probability p at which `happened` or more of `n` have a probability of 0.025, by bisection. */
+function lowEnd(happened, n) {
+  if (happened === 0) return 0;
+  let [low, high] = [0, 1];
+  for (let i = 0; i < 50; i++) {
+    const p = (low + high) / 2;
+    if (1 - fewer(happened, n, p) < 0.025) low = p;
+    else high = p;
+  }
+  return (low + high) / 2;
+}
+
+/** The probability of fewer than `count` of `n`, each of which has the probability `p`. */
+function fewer(count, n, p) {
+  let [logarithm, sum] = [n * Math.log1p(-p), 0];
+  for (let k = 0; k < count; k++) {
+    sum += Math.exp(logarithm);
+    logarithm += Math.log(((n - k) * p) / ((k + 1) * (1 - p)));
+  }
+  return sum;
 }
 
 /** The curves of a measure: one for each combination of the other settings. */
@@ -29,7 +61,8 @@ export function curvesOf(sweep, across, measure) {
     groups.get(name)[across ? xs.indexOf(across.values.numbers[row]) : 0].push(value);
   }
   const curves = [...groups].map(([name, cells]) => {
-    const means = cells.map((values) => (values.length ? meanOf(values, sweep.students_t_975) : null));
+    const averageOf = measure.is_outcome ? shareOf : (values) => meanOf(values, sweep.students_t_975);
+    const means = cells.map((values) => (values.length ? averageOf(values) : null));
     return { name, means };
   });
   return { xs, curves };

@@ -24,19 +24,19 @@ export function sweepSection(report) {
   function picture(measure) {
     const { xs, curves } = curvesOf(sweep, across, measure);
     const name = isolated(measure.label ?? measure.name);
+    const what = measure.is_outcome ? "Share" : "Mean";
     if (!across) {
-      return dataTable(name, [{ title: "Settings", of: (row) => curves[row].name, words: true }, { title: "Mean", of: (row) => curves[row].means[0].mean },
-        { title: "± (95 %)", of: (row) => curves[row].means[0].half }, { title: "Runs", of: (row) => curves[row].means[0].n }], curves.length);
+      return dataTable(name, [{ title: "Settings", of: (row) => curves[row].name, words: true }, { title: what, of: (row) => curves[row].means[0].mean },
+        { title: "95 % from", of: (row) => curves[row].means[0].low }, { title: "to", of: (row) => curves[row].means[0].high }, { title: "Runs", of: (row) => curves[row].means[0].n }], curves.length);
     }
     const counts = curves.flatMap((curve) => curve.means.filter(Boolean).map((mean) => mean.n));
     const [least, most] = [Math.min(...counts), Math.max(...counts)];
-    const end = (sign) => (mean) => (mean && mean.half !== null ? mean.mean + sign * mean.half : null);
     const series = curves.slice(0, 14).map((curve) => ({
       name: curve.name,
       values: curve.means.map((mean) => mean?.mean ?? null),
-      ...(most > 1 ? { low: curve.means.map(end(-1)), high: curve.means.map(end(1)), counts: curve.means.map((mean) => mean?.n ?? 0) } : {}),
+      ...(most > 1 ? { low: curve.means.map((mean) => mean?.low ?? null), high: curve.means.map((mean) => mean?.high ?? null), counts: curve.means.map((mean) => mean?.n ?? 0) } : {}),
     }));
-    const title = `${name}, mean of ${least < most ? `${least} to ` : ""}${counted(most, "run")}${most > 1 ? " with 95 % intervals" : ""}`;
+    const title = `${name}, ${what.toLowerCase()} of ${least < most ? `${least} to ` : ""}${counted(most, "run")}${most > 1 ? " with 95 % intervals" : ""}`;
     const made = chart(title, xs, series, { across: across.name, up: name, points: true, textAcross: exact });
     if (curves.length > 14) made.append(element("p", {}, `${curves.length - 14} more combinations of settings are not drawn.`));
     return made;

@@ -1,7 +1,7 @@
 // Curves of sweeps and exact numbers, without a browser.
 
 import { strict as assert } from "node:assert";
-import { curvesOf, meanOf } from "../src/curves.js";
+import { curvesOf, meanOf, shareOf } from "../src/curves.js";
 import { exact } from "../src/format.js";
 import { documentOf } from "../src/payload.js";
 
@@ -17,10 +17,28 @@ export async function sweepInNode(test) {
     assert.deepEqual([exact(12345), exact(0.5), exact(-1e-7), exact(NaN)], ["12\u202f345", "0.5", "−1e−7", "–"]);
   });
   await test("a mean says of how many runs it is, and one run has no interval", () => {
-    assert.deepEqual(meanOf([3], []), { mean: 3, half: null, n: 1 });
+    assert.deepEqual(meanOf([3], []), { mean: 3, low: null, high: null, n: 1 });
     const sweep = { rows: 3, settings: [], students_t_975: [12.7, 4.3] };
     const { curves } = curvesOf(sweep, null, numbers("mapped", [1, NaN, 3]));
     assert.equal(curves[0].means[0].n, 2);
+  });
+  await test("an outcome is a share, whose interval is exact and stays from 0 to 1", () => {
+    const near = (found, expected) => assert.ok(Math.abs(found - expected) < 1e-6, `${found}, not ${expected}`);
+    // Of 20 that all happened, the low end is the 20th root of 0.025.
+    const all = shareOf(Array(20).fill(1));
+    near(all.low, 0.025 ** (1 / 20));
+    assert.deepEqual([all.mean, all.high, all.n], [1, 1, 20]);
+    const none = shareOf(Array(20).fill(0));
+    near(none.high, 1 - 0.025 ** (1 / 20));
+    assert.deepEqual([none.mean, none.low], [0, 0]);
+    const outcomes = { ...numbers("applications.detarsk.captured", [1, 1, 0, 1, 1]), is_outcome: true };
+    const { low, high, mean } = curvesOf({ rows: 5, settings: [], students_t_975: [12.7, 4.3, 3.2, 2.8] }, null, outcomes).curves[0].means[0];
+    near(mean, 0.8);
+    near(low, 0.283582);
+    near(high, 0.994949);
+    const many = shareOf([...Array(900).fill(1), ...Array(100).fill(0)]);
+    assert.ok(many.low > 0.87 && many.low < 0.89 && many.high > 0.91 && many.high < 0.92, JSON.stringify(many));
+    assert.deepEqual(shareOf([1]), { mean: 1, low: null, high: null, n: 1 });
   });
   await test("large whole numbers of a summary keep all digits", () => {
     const summary = '{"scenario":{"seed":18446744073709551615,"name":"a 9007199254740993 \\"b"},"n":[-9007199254740993,12,1.5e300,9007199254740993.5,0.12345678901234567,1e25]}';

@@ -28,13 +28,19 @@ pub(super) struct Bundle {
     pub(super) named: BTreeMap<PathBuf, String>,
 }
 
+/// Rejects files that would not be found where the plan is moved to.
+pub(super) fn check(sweep: &Sweep) -> Result<(), CampaignError> {
+    let named = sweep.named_files().iter().map(|file| file.written.clone());
+    match sweep.file().bases().chain(named).find(|file| file.is_absolute()) {
+        Some(file) => Err(CampaignError::Absolute { file }),
+        None => Ok(()),
+    }
+}
+
 /// Copies the scenario of `sweep`, the files that it extends and those that any cell names to `folder`. They keep their
 /// places relative to each other, so that the paths in them stay true.
 pub(super) fn write(sweep: &Sweep, folder: &Path) -> Result<Bundle, CampaignError> {
     let named = sweep.named_files();
-    if let Some(file) = named.iter().find(|file| file.written.is_absolute()) {
-        return Err(CampaignError::Absolute { file: file.written.clone() });
-    }
     let layers = sweep.file().layers().map(Path::to_path_buf);
     let named_paths = named.iter().map(|file| file.path.clone());
     let files: Vec<PathBuf> = layers.chain(named_paths).map(|file| plain(&file)).collect::<Result<_, _>>()?;

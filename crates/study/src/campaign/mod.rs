@@ -62,6 +62,7 @@ impl Campaign {
         trial: Option<Trial>,
         replace: Replace,
     ) -> Result<Self, CampaignError> {
+        bundle::check(&sweep)?;
         let room = room::make(folder, replace)?;
         let estimate = trial.map(|trial| Estimate::of(&sweep, trial));
         let files = bundle::write(&sweep, &folder.join(FILES))?;
@@ -75,11 +76,12 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Rejects a folder where [`create`](Self::create) could not write a plan, before long work.
+    /// Rejects a folder where [`create`](Self::create) could not write the plan of `sweep`, before long work.
     ///
     /// # Errors
-    /// If there is something else in the folder.
-    pub fn check_room(folder: &Path, replace: Replace) -> Result<(), CampaignError> {
+    /// If there is something else in the folder, or a file that the scenario extends or names cannot move.
+    pub fn check_room(sweep: &Sweep, folder: &Path, replace: Replace) -> Result<(), CampaignError> {
+        bundle::check(sweep)?;
         room::check(folder, replace)
     }
 

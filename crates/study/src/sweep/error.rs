@@ -95,7 +95,7 @@ impl SweepError {
 
 impl From<StoreError> for TableError {
     fn from(error: StoreError) -> Self {
-        Self::Rows { why: error.to_string() }
+        Self::Stored { why: error.to_string() }
     }
 }
 
@@ -135,7 +135,15 @@ pub enum TableError {
     },
     /// The rows cannot be read again from where they are kept.
     #[error("finished runs cannot be read again: {why}")]
+    Stored {
+        /// What is wrong.
+        why: String,
+    },
+    /// The rows of a file are not those of one sweep.
+    #[error("`{}` has rows that no sweep writes: {why}", .path.display())]
     Rows {
+        /// The file.
+        path: PathBuf,
         /// What is wrong.
         why: String,
     },
@@ -202,7 +210,7 @@ impl TableError {
     /// Whether the disk or the system caused the error, not the input.
     #[must_use]
     pub fn is_system_error(&self) -> bool {
-        matches!(self, Self::Output(_) | Self::Rows { .. })
+        matches!(self, Self::Output(_) | Self::Stored { .. })
     }
 
     /// How to correct it, if the message does not say so.
@@ -213,6 +221,7 @@ impl TableError {
             Self::NoParquet { .. } => "use the name TABLE.csv, or build the program with `cargo build --release \
                                        --features parquet`"
                 .to_owned(),
+            Self::Rows { .. } => "remove the rows that are wrong, and give each sweep a table of its own".to_owned(),
             Self::Other { .. } => "`sextant sweep SCENARIO.toml --out TABLE.csv` writes such a table".to_owned(),
             Self::NoAxis { .. } => "vary a number in [sweep] of the scenario".to_owned(),
             Self::NoPairs { .. } => {
@@ -220,7 +229,7 @@ impl TableError {
                     .to_owned()
             }
             Self::NoMeasure { known, .. } | Self::NoReference { known, .. } => format!("it has {known}"),
-            Self::Output(_) | Self::Read { .. } | Self::Rows { .. } | Self::OtherSweep { .. } => return None,
+            Self::Output(_) | Self::Read { .. } | Self::Stored { .. } | Self::OtherSweep { .. } => return None,
         })
     }
 }

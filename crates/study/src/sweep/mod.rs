@@ -6,6 +6,7 @@
 //! reception log share their surveys. The table depends on scenario, seeds and version alone: the number of threads and
 //! shards does not change its rows.
 
+mod average;
 mod cell_check;
 mod column;
 mod described;
@@ -32,6 +33,7 @@ mod trial;
 pub(crate) mod unit;
 mod work_list;
 
+pub use average::Average;
 pub use column::{Column, ColumnKind};
 pub use described::{ColumnSubject, DescribedColumn, described_columns};
 pub use error::{SweepError, TableError};

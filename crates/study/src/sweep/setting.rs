@@ -1,30 +1,6 @@
 //! What settings are called for people: the end of the key in words, and the unit that the key ends with.
 
-/// Ends of keys, longest first, and their units.
-const UNITS: [(&str, &str); 22] = [
-    ("_rad_per_s", "rad/s"),
-    ("_bit_per_s", "bit/s"),
-    ("_m_per_s", "m/s"),
-    ("_per_m2", "1/m²"),
-    ("_per_s", "1/s"),
-    ("_per_m", "1/m"),
-    ("_dbm", "dBm"),
-    ("_dbi", "dBi"),
-    ("_deg", "°"),
-    ("_rad", "rad"),
-    ("_ghz", "GHz"),
-    ("_mhz", "MHz"),
-    ("_khz", "kHz"),
-    ("_hz", "Hz"),
-    ("_db", "dB"),
-    ("_ms", "ms"),
-    ("_us", "µs"),
-    ("_mw", "mW"),
-    ("_s", "s"),
-    ("_m", "m"),
-    ("_j", "J"),
-    ("_w", "W"),
-];
+use sextant_scenario::unit;
 
 /// The name of a setting, and its unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,10 +15,11 @@ impl SettingName {
     pub(super) fn of(key: &str) -> Self {
         let mut parts = key.rsplit('.').filter(|part| part.parse::<u32>().is_err());
         let last = parts.next().unwrap_or(key);
-        let (name, unit) = UNITS
-            .into_iter()
-            .find_map(|(end, unit)| Some((last.strip_suffix(end).filter(|name| !name.is_empty())?, unit)))
-            .unwrap_or((last, ""));
+        let (name, unit) = match unit::split(last) {
+            None | Some(("", _)) => (last, ""),
+            Some((name, "degrees")) => (name, "°"),
+            Some(found) => found,
+        };
         let is_vague = unit.is_empty() && !name.contains('_');
         let before = parts.next().filter(|_| is_vague).map(|before| format!("{before} ")).unwrap_or_default();
         Self { words: format!("{before}{name}").replace(['_', '-'], " "), unit }
@@ -86,6 +63,9 @@ mod tests {
             ("traffic.poisson.rate_per_s", "rate (1/s)"),
             ("robots.0.speed_m_per_s", "speed (m/s)"),
             ("maps.0.algorithm.ml_tm.grid_step_m", "grid step (m)"),
+            ("sensors.targets.false_alarms_per_h", "false alarms (1/h)"),
+            ("robots.0.odometry.heading_noise_rad_per_sqrt_m", "heading noise (rad/√m)"),
+            ("antenna.beamwidth_deg", "beamwidth (°)"),
             ("world.nodes.random.count", "random count"),
             ("anchors.share", "anchors share"),
             ("channel.path_loss.log_distance.exponent", "log distance exponent"),

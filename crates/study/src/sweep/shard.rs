@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Part `index` (from 1) of `count`: every `count`-th unit.
+/// Part `index` (from 1) of `count`: every `count`-th unit. Units are dealt in turn, so that parts take about as long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{Beta, ContinuousCDF};
 
-use super::statistics::Mean;
+use super::statistics::{Mean, happened};
 
 /// The share of independent runs in which something happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +19,11 @@ impl Share {
     /// Of outcomes that are 1 if it happened and 0 if not; `None` if there are none.
     #[must_use]
     pub fn of(outcomes: &[f64]) -> Option<Self> {
-        let runs = outcomes.len();
-        let happened = outcomes.iter().filter(|outcome| **outcome > 0.5).count();
+        Self::counted(outcomes.iter().filter(|outcome| happened(**outcome)).count(), outcomes.len())
+    }
+
+    /// If it happened in so many of the `runs`; `None` if there are none.
+    pub(super) fn counted(happened: usize, runs: usize) -> Option<Self> {
         let (yes, no) = (happened as f64, (runs - happened) as f64);
         let quantile = |a: f64, b: f64, p: f64| Beta::new(a, b).ok().map(|beta| beta.inverse_cdf(p));
         let low = if happened == 0 { 0.0 } else { quantile(yes, no + 1.0, 0.025)? };

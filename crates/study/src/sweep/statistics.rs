@@ -78,12 +78,14 @@ pub(super) struct Sums {
     runs: usize,
     sum: f64,
     squares: f64,
+    /// How many values are outcomes that happened.
+    happened: usize,
 }
 
 impl Default for Sums {
     /// The sum begins with the zero that changes nothing: 0 plus -0 is 0.
     fn default() -> Self {
-        Self { runs: 0, sum: -0.0, squares: 0.0 }
+        Self { runs: 0, sum: -0.0, squares: 0.0, happened: 0 }
     }
 }
 
@@ -92,11 +94,17 @@ impl Sums {
     pub(super) fn add(&mut self, value: f64) {
         self.runs += 1;
         self.sum += value;
+        self.happened += usize::from(happened(value));
     }
 
     /// Adds the square of the deviation of a value in the second pass.
     pub(super) fn add_deviation(&mut self, value: f64) {
         self.squares += (value - self.sum / self.runs as f64).powi(2);
+    }
+
+    /// Of values that are outcomes: how many happened, and how many there are.
+    pub(super) fn outcomes(&self) -> (usize, usize) {
+        (self.happened, self.runs)
     }
 
     /// The mean; `None` without values.
@@ -106,6 +114,11 @@ impl Sums {
         let half_width_95 = (runs > 1).then(|| students_t_975(runs - 1) * (variance / n).sqrt());
         (runs > 0).then(|| Mean { mean: self.sum / n, half_width_95, runs })
     }
+}
+
+/// Whether an outcome that is 1 or 0 happened.
+pub(super) fn happened(outcome: f64) -> bool {
+    outcome > 0.5
 }
 
 /// More decimals are never printed.

@@ -2,13 +2,15 @@
 
 use std::iter::Peekable;
 
-use sextant::summary::Measure;
+use sextant::summary::{Measure, Unit};
 
+use super::average::Average;
 use super::error::TableError;
 use super::plan::Sweep;
 use super::row::RunRow;
 use super::rows::{RowIter, Rows};
-use super::statistics::{Mean, Sums};
+use super::share::Share;
+use super::statistics::Sums;
 
 /// The runs of a cell in a few numbers.
 #[derive(Clone, Debug)]
@@ -22,11 +24,19 @@ pub struct CellSummary {
 }
 
 impl CellSummary {
-    /// The mean of a measure of `plan` over the runs that succeeded; `None` if there are none, or it does not apply.
+    /// The average of a measure of `plan` over the runs that succeeded: of an outcome the share of the runs in which it
+    /// happened, and the mean of others. `None` if there are none, or it does not apply.
     #[must_use]
-    pub fn mean(&self, plan: &Sweep, measure: &Measure) -> Option<Mean> {
+    pub fn average(&self, plan: &Sweep, measure: &Measure) -> Option<Average> {
         let at = plan.measures().iter().position(|other| other == measure)?;
-        self.sums.get(at)?.mean()
+        let sums = self.sums.get(at)?;
+        match measure.unit() {
+            Unit::Outcome => {
+                let (happened, runs) = sums.outcomes();
+                Share::counted(happened, runs).map(Average::Share)
+            }
+            _ => sums.mean().map(Average::Mean),
+        }
     }
 }
 
@@ -85,7 +95,8 @@ mod tests {
             for measure in plan.measures() {
                 let values: Vec<f64> =
                     plan.values_of(&rows, cell, measure).into_iter().map(|(_, value)| value).collect();
-                assert_eq!(summary.mean(&plan, measure), Mean::of(&values), "{}", measure.path());
+                let expected = Average::of(measure.unit(), &values);
+                assert_eq!(summary.average(&plan, measure), expected, "{}", measure.path());
             }
         }
     }

@@ -4,7 +4,8 @@
 mod parquet;
 
 use std::ffi::OsStr;
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use sextant_kernel::read_text_at_most;
@@ -107,11 +108,11 @@ pub(super) struct TextRows {
 /// Rows of texts that are read one after the other.
 pub(super) type TextIter = Box<dyn Iterator<Item = Result<Vec<String>, TableError>>>;
 
-/// As [`read_texts`], but the rows are read when they are asked for.
+/// As [`read_texts`], but the rows are read when they are asked for: those of a CSV table up to `end` (octets), or all.
 ///
 /// # Errors
 /// If the file cannot be read, or is no such table.
-pub(super) fn stream_texts(path: &Path) -> Result<TextRows, TableError> {
+pub(super) fn stream_texts(path: &Path, end: Option<u64>) -> Result<TextRows, TableError> {
     if path.extension().is_some_and(|extension| extension == "parquet") {
         #[cfg(feature = "parquet")]
         return parquet::stream(path);
@@ -119,15 +120,66 @@ pub(super) fn stream_texts(path: &Path) -> Result<TextRows, TableError> {
         return Err(TableError::NoParquet { path: path.to_owned() });
     }
     let file = path.to_owned();
-    let wrong = move |error: csv::Error| match error.kind() {
-        csv::ErrorKind::Io(why) => TableError::Read { path: file.clone(), why: why.to_string() },
-        csv::ErrorKind::Utf8 { err, .. } => TableError::Read { path: file.clone(), why: err.to_string() },
-        _ => TableError::Other { path: file.clone(), why: error.to_string() },
-    };
-    let mut reader = csv::Reader::from_path(path).map_err(&wrong)?;
+    let wrong = move |error: csv::Error| wrong(&file, &error);
+    let octets = File::open(path).map_err(|error| wrong(error.into()))?.take(end.unwrap_or(u64::MAX));
+    let mut reader = csv::Reader::from_reader(octets);
     let columns = texts(reader.headers().map_err(&wrong)?);
     let rows = reader.into_records().map(move |record| Ok(texts(&record.map_err(&wrong)?)));
     Ok(TextRows { columns, rows: Box::new(rows) })
+}
+
+/// The error of a CSV table.
+fn wrong(path: &Path, error: &csv::Error) -> TableError {
+    let path = path.to_owned();
+    match error.kind() {
+        csv::ErrorKind::Io(why) => TableError::Read { path, why: why.to_string() },
+        csv::ErrorKind::Utf8 { err, .. } => TableError::Read { path, why: err.to_string() },
+        _ => TableError::Other { path, why: error.to_string() },
+    }
+}
+
+/// Where the runs end that are whole in the CSV table at `path` (octets), if its last row was cut off: it has too few cells, or
+/// ends with the file in the midst of `mark`, the last cell. `None` if no row was cut off. Other rows of a run that was cut off
+/// are not whole.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(super) fn end_of_whole_runs(path: &Path, mark: &str) -> Result<Option<u64>, TableError> {
+    if path.extension().is_some_and(|extension| extension == "parquet") {
+        return Ok(None);
+    }
+    let wrong = |error: csv::Error| wrong(path, &error);
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_path(path).map_err(wrong)?;
+    let columns = reader.byte_headers().map_err(wrong)?.len();
+    let (mut row, mut next) = (csv::ByteRecord::new(), csv::ByteRecord::new());
+    // Where the run of the row begins.
+    let mut start = reader.position().byte();
+    loop {
+        let next_start = reader.position().byte();
+        if !reader.read_byte_record(&mut next).map_err(wrong)? {
+            break;
+        }
+        // A row that ends before its run is known may be of the run before it.
+        let is_same = !row.is_empty() && (next.len() < 3 || (0..2).all(|cell| next.get(cell) == row.get(cell)));
+        if !is_same {
+            start = next_start;
+        }
+        std::mem::swap(&mut row, &mut next);
+    }
+    let is_whole = row.is_empty()
+        || row.len() > columns
+        || (row.len() == columns
+            && (row.iter().last() == Some(mark.as_bytes()) || ends_a_line(path).map_err(|why| wrong(why.into()))?));
+    Ok((!is_whole).then_some(start))
+}
+
+/// Whether a file ends with the end of a line.
+fn ends_a_line(path: &Path) -> std::io::Result<bool> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::End(-1))?;
+    let mut last = [0];
+    file.read_exact(&mut last)?;
+    Ok(last == *b"\n")
 }
 
 /// The cells of a row.

@@ -8,7 +8,7 @@ use super::error::TableError;
 use super::plan::Sweep;
 use super::row::RunRow;
 use super::rows::{Overview, RowIter, Rows};
-use super::table_file::{TextIter, TextRows, stream_texts};
+use super::table_file::{TextIter, TextRows, end_of_whole_runs, stream_texts};
 use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
 
 /// The rows of a table. They stay in its file if it has them in the order in which this program writes them; otherwise they
@@ -16,6 +16,8 @@ use super::tidy::{ERROR, IDENTITY, MAP, Measured, SWEEP, measured};
 #[derive(Debug)]
 pub struct TableRows<'a> {
     path: PathBuf,
+    /// Where its whole runs end (octets), if its last row was cut off.
+    end: Option<u64>,
     plan: &'a Sweep,
     overview: Overview,
     /// The most runs of a cell.
@@ -32,8 +34,13 @@ pub struct TableRows<'a> {
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
 pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
+    sorted(path, None, plan)
+}
+
+/// The rows up to `end` by cell, then replicate.
+fn sorted(path: &Path, end: Option<u64>, plan: &Sweep) -> Result<Vec<RunRow>, TableError> {
     let mut runs: BTreeMap<(usize, u32), RunRow> = BTreeMap::new();
-    let mut rows = MapRows::open(path, plan)?;
+    let mut rows = MapRows::open(path, end, plan)?;
     while let Some(row) = rows.next() {
         let row = row?;
         match runs.entry((row.cell, row.replicate)) {
@@ -47,12 +54,13 @@ pub fn read_table(path: &Path, plan: &Sweep) -> Result<Vec<RunRow>, TableError> 
 }
 
 /// Reads the rows of the table at `path` if it is of the very sweep `plan`, with any number of runs: the same scenario,
-/// files, first seed and version.
+/// files, first seed and version. If the last row of a CSV table was cut off, its run is left out.
 ///
 /// # Errors
 /// If the file cannot be read, or is the table of another sweep.
 pub fn read_own_table<'a>(path: &Path, plan: &'a Sweep) -> Result<TableRows<'a>, TableError> {
-    let texts = stream_texts(path)?;
+    let end = end_of_whole_runs(path, plan.mark())?;
+    let texts = stream_texts(path, end)?;
     if texts.columns.last().is_none_or(|column| column != SWEEP) {
         let why = format!("it has no last column `{SWEEP}`");
         return Err(TableError::Other { path: path.to_owned(), why });
@@ -62,13 +70,14 @@ pub fn read_own_table<'a>(path: &Path, plan: &'a Sweep) -> Result<TableRows<'a>,
             return Err(TableError::OtherSweep { path: path.to_owned() });
         }
     }
-    TableRows::open(path, plan)
+    TableRows::open(path, end, plan)
 }
 
 impl<'a> TableRows<'a> {
-    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
+    fn open(path: &Path, end: Option<u64>, plan: &'a Sweep) -> Result<Self, TableError> {
         let mut this = Self {
             path: path.to_owned(),
+            end,
             plan,
             overview: Overview::default(),
             runs: 0,
@@ -77,7 +86,7 @@ impl<'a> TableRows<'a> {
         };
         let mut last = None;
         let mut is_in_order = true;
-        for row in RunRows::open(path, plan)? {
+        for row in RunRows::open(path, end, plan)? {
             let row = row?;
             is_in_order = last.replace(row.run()).is_none_or(|last| last < row.run());
             if !is_in_order {
@@ -86,7 +95,7 @@ impl<'a> TableRows<'a> {
             this.add(&row);
         }
         if !is_in_order {
-            let rows = read_table(path, plan)?;
+            let rows = sorted(path, end, plan)?;
             this.overview = Overview::default();
             rows.iter().for_each(|row| this.add(row));
             this.sorted = Some(rows);
@@ -122,7 +131,7 @@ impl Rows for TableRows<'_> {
     fn read(&self) -> RowIter<'_> {
         match &self.sorted {
             Some(rows) => Box::new(rows.iter().cloned().map(Ok)),
-            None => match RunRows::open(&self.path, self.plan) {
+            None => match RunRows::open(&self.path, self.end, self.plan) {
                 Ok(rows) => Box::new(rows),
                 Err(error) => Box::new(std::iter::once(Err(error))),
             },
@@ -142,9 +151,9 @@ struct MapRows<'a> {
 }
 
 impl<'a> MapRows<'a> {
-    /// Those of the file at `path`, if its columns are those of `plan`.
-    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
-        let TextRows { columns: names, rows: texts } = stream_texts(path)?;
+    /// Those of the file at `path` up to `end`, if its columns are those of `plan`.
+    fn open(path: &Path, end: Option<u64>, plan: &'a Sweep) -> Result<Self, TableError> {
+        let TextRows { columns: names, rows: texts } = stream_texts(path, end)?;
         let columns = columns_of(&names, plan).map_err(|why| TableError::Other { path: path.to_owned(), why })?;
         Ok(Self { path: path.to_owned(), plan, columns, texts, count: 0 })
     }
@@ -179,8 +188,8 @@ struct RunRows<'a> {
 }
 
 impl<'a> RunRows<'a> {
-    fn open(path: &Path, plan: &'a Sweep) -> Result<Self, TableError> {
-        Ok(Self { rows: MapRows::open(path, plan)?, next: None })
+    fn open(path: &Path, end: Option<u64>, plan: &'a Sweep) -> Result<Self, TableError> {
+        Ok(Self { rows: MapRows::open(path, end, plan)?, next: None })
     }
 
     fn next_run(&mut self) -> Result<Option<RunRow>, TableError> {
@@ -378,6 +387,45 @@ pub(super) mod tests {
         let own = read_own_table(&table, &plan).unwrap();
         assert_eq!(own.read().collect::<Result<Vec<_>, _>>().unwrap(), rows);
         assert_eq!((own.overview(), own.runs(), own.sorted.is_some()), (rows.as_slice().overview(), 2, true));
+    }
+
+    #[test]
+    fn a_run_whose_last_row_was_cut_off_is_left_out_wherever_the_cut_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let plan = plan(folder.path(), STEPS, 2);
+        let mut rows = made_up(&plan);
+        // The last run has two maps, and the texts of failed runs may have quotes.
+        rows[3].outcome = rows[0].outcome.clone();
+        rows[2].outcome = Err("a, \"b\"\nc".into());
+        let table = folder.path().join("t.csv");
+        write_table(&table, &plan, &rows.as_slice()).unwrap();
+        let whole = std::fs::read(&table).unwrap();
+        let rows_at = |length: usize| {
+            std::fs::write(&table, &whole[..length]).unwrap();
+            let own = read_own_table(&table, &plan).unwrap();
+            let found = own.read().collect::<Result<Vec<_>, _>>().unwrap();
+            assert_eq!(found, rows[..found.len()], "{length} octets");
+            assert_eq!(own.overview().rows, found.len());
+            found.len()
+        };
+        let starts: Vec<usize> = std::iter::once(0)
+            .chain((1..whole.len()).filter(|&at| whole[at - 1] == b'\n'))
+            .filter(|&at| whole[at..].starts_with(b"1,") || at == 0)
+            .collect();
+        let [_, third, fourth, second_map] = starts[..] else { panic!("{starts:?}") };
+        // A row of which only `1,0` is left may be of the run before it, which is then done again too.
+        for (range, expected) in [
+            (third + 1..third + 4, 1),
+            (third + 4..fourth, 2),
+            (fourth + 1..fourth + 4, 2),
+            (fourth + 4..second_map, 3),
+            (second_map + 1..whole.len() - 1, 3),
+        ] {
+            for length in range.step_by(7) {
+                assert_eq!(rows_at(length), expected, "{length} octets");
+            }
+        }
+        assert_eq!((rows_at(whole.len() - 2), rows_at(whole.len() - 1), rows_at(whole.len())), (3, 4, 4));
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub(super) fn execute(
 ) -> Result<(), Failure> {
     let sweep = arguments.sweep(scenario)?;
     let replace = if arguments.force { Replace::Plan } else { Replace::Nothing };
-    Campaign::check_room(folder, replace)?;
+    Campaign::check_room(&sweep, folder, replace)?;
     let mut outputs = Outputs::new(admission::Replace::Any);
     reads_sweep(&mut outputs, &sweep);
     outputs.clears("--plan", folder).keep_inputs()?;

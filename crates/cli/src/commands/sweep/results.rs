@@ -13,7 +13,7 @@ use crate::diagnostic::Failure;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{CellSummary, Column, Mean, Overview, Rows, Sweep, TableError, summaries};
+use sextant_study::sweep::{Average, CellSummary, Column, Overview, Rows, Sweep, TableError, summaries};
 
 /// Of a large sweep, so many cells are printed.
 const MOST_CELLS: usize = 100;
@@ -101,8 +101,8 @@ impl JsonCells<'_> {
         let settings: Map<_, _> = settings.map(|(key, value)| (key.name.clone(), json!(value))).collect();
         let mut means = Map::new();
         for measure in self.plan.measures() {
-            if let Some(mean) = summary.mean(self.plan, measure) {
-                means.insert(measure.name(), mean.json().into());
+            if let Some(average) = summary.average(self.plan, measure) {
+                means.insert(measure.name(), average.json().into());
             }
         }
         json!({"cell": i, "settings": settings, "failed": summary.failed, "measures": means})
@@ -118,19 +118,21 @@ struct Printed<'a> {
 }
 
 impl Printed<'_> {
-    /// The means of a measure with their intervals by cell, all in the unit that suits the largest of them: `6.0 ± 0.3 %`;
-    /// `-` without a value. If not all runs of the cell have a value, their number follows: `6.0 ± 0.3 % (n = 4)`.
+    /// The averages of a measure with their intervals by cell, all in the unit that suits the largest of them: `6.0 ± 0.3 %`,
+    /// and `80 % (28 to 99 %)` of an outcome; `-` without a value. If not all runs of the cell have a value, their number
+    /// follows: `6.0 ± 0.3 % (n = 4)`.
     fn written(&self, path: &str) -> Vec<String> {
-        let mean = |cell: &CellSummary| cell.mean(self.plan, self.measure(path)?);
-        let means: Vec<Option<Mean>> = self.cells.iter().map(mean).collect();
-        let largest = means.iter().flatten().map(|mean| mean.mean.abs()).fold(0.0, f64::max);
+        let average = |cell: &CellSummary| cell.average(self.plan, self.measure(path)?);
+        let averages: Vec<Option<Average>> = self.cells.iter().map(average).collect();
+        let largest = averages.iter().flatten().map(|average| average.value().abs()).fold(0.0, f64::max);
         let (factor, unit) = self.measure(path).map_or((1.0, ""), |measure| measure.unit().for_size(largest));
-        let text = |(mean, cell): (Option<Mean>, &CellSummary)| {
-            let Some(mean) = mean else { return "-".to_owned() };
-            let count = if mean.runs == cell.succeeded { String::new() } else { format!(" (n = {})", mean.runs) };
-            mean.times(factor).rounded(unit) + &count
+        let text = |(average, cell): (Option<Average>, &CellSummary)| {
+            let Some(average) = average else { return "-".to_owned() };
+            let runs = average.runs();
+            let count = if runs == cell.succeeded { String::new() } else { format!(" (n = {runs})") };
+            average.rounded(factor, unit) + &count
         };
-        means.into_iter().zip(&self.cells).map(text).collect()
+        averages.into_iter().zip(&self.cells).map(text).collect()
     }
 
     fn measure(&self, path: &str) -> Option<&Measure> {
@@ -220,7 +222,7 @@ impl Printed<'_> {
     /// Says how many nodes have no place on a map: errors leave them out.
     fn print_unmapped(&self, map: &str, stdout: &mut impl Write) -> io::Result<()> {
         let Some(measure) = self.measure(&format!("maps.{map}.unmapped")) else { return Ok(()) };
-        let unmapped = |cell: &CellSummary| cell.mean(self.plan, measure).map(|mean| mean.mean);
+        let unmapped = |cell: &CellSummary| cell.average(self.plan, measure).map(|mean| mean.value());
         let most = self.cells.iter().filter_map(unmapped).fold(0.0, f64::max);
         if most > 0.0 {
             writeln!(

@@ -74,11 +74,19 @@ fn robots_capture_a_target_and_the_recording_tells_where() {
 
 #[test]
 fn the_table_of_a_sweep_has_the_course_of_each_search() {
-    let scenario = searching() + "\n[sweep]\nruns = 1\n";
+    let scenario = searching() + "\n[sweep]\nruns = 2\n";
     let (folder, summary) = run_text(&scenario, &[]);
-    let output = sextant().current_dir(folder.path()).args(["sweep", "a.toml", "--out", "t.csv", "--quiet"]).output();
-    let output = output.unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let swept = |arguments: &[&str]| {
+        let words = ["sweep", "a.toml", "--out", "t.csv", "--quiet"];
+        sextant().current_dir(folder.path()).args(words).args(arguments).output().unwrap().printed()
+    };
+    // Of two runs that both captured, the low end of the share is the square root of 0.025.
+    assert!(swept(&[]).contains("100 % (16 to 100 %)"));
+    let results: serde_json::Value = serde_json::from_str(&swept(&["--resume", "--format", "json"])).unwrap();
+    let measures = results["sweep"]["cells"][0]["measures"].as_object().unwrap();
+    let (_, captured) = measures.iter().find(|(name, _)| name.ends_with("detarsk.captured")).unwrap();
+    assert!((number(&captured["interval_95"][0]) - 0.025_f64.sqrt()).abs() < 1e-6, "{captured}");
+    assert_eq!((&captured["interval_95"][1], captured.get("half_width_95")), (&1.0.into(), None));
     let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let value = |name: &str| {
@@ -174,6 +182,14 @@ fn the_number_of_threads_changes_no_byte() {
     let bytes =
         |threads| fs::read(run_text(&searching(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
     assert!(bytes("1") == bytes("2"));
+}
+
+#[test]
+fn a_sink_in_an_obstacle_is_there_for_a_search() {
+    let around = "[[world.obstacles]]\nmaterial = \"concrete\"\n\
+                  shape.box = { center_m = [0.5, 0.5, 0.0], size_m = [0.6, 0.6, 2.0] }\n";
+    let said = super::refusals::refused(&[&searching(), around].concat(), None);
+    assert!(said.contains("`sinks[0].position_m`") && !said.contains("without a sink"), "{said}");
 }
 
 #[test]

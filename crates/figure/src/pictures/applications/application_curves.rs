@@ -48,7 +48,7 @@ fn values(source: &Source<'_>, application: &RecordedApplication) -> Vec<Line> {
     let times = || found.iter().flat_map(|(series, _)| &series.points).map(|point| point.0);
     if let (Some(level), Some(last)) = (application.level, times().max_by(f64::total_cmp)) {
         let points = vec![(0.0, level), (last, level)];
-        found.push((Series { name: "level".to_owned(), points, half_widths: Vec::new() }, INK));
+        found.push((Series { name: "level".to_owned(), points, intervals: Vec::new() }, INK));
     }
     found
 }
@@ -60,7 +60,7 @@ fn series(source: &Source<'_>, application: &RecordedApplication, what: &str, no
     let curve = |(station, points): (&str, &[(SimTime, f64)])| Series {
         name: format!("{station}{note}"),
         points: thinned(points).map(|(time, value)| (seconds(time), value)).collect(),
-        half_widths: Vec::new(),
+        intervals: Vec::new(),
     };
     let mut others = application.paths.len()..;
     let mut color = |station: &str| of_robot(source.robot(station).or_else(|| others.next()).unwrap_or(0));

@@ -57,7 +57,7 @@ fn curve(network: &str, ended: u64, delays: &[f64]) -> Series {
         points.push((delays[i], last));
         points.push((delays[i], share(i + 1)));
     }
-    Series { name, points, half_widths: Vec::new() }
+    Series { name, points, intervals: Vec::new() }
 }
 
 #[cfg(test)]

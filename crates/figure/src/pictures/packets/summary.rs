@@ -35,7 +35,7 @@ fn curve(traffic: &RecordedTraffic) -> Option<Series> {
     }
     let delivered = counted(usize::try_from(total).unwrap_or(usize::MAX), "packet");
     let name = traffic.network.as_ref().map_or_else(String::new, |network| format!("{network}: "));
-    Some(Series { name: format!("{name}{delivered} delivered"), points, half_widths: Vec::new() })
+    Some(Series { name: format!("{name}{delivered} delivered"), points, intervals: Vec::new() })
 }
 
 /// Shares of the outcomes by node, of each network; `None` if nothing was offered.

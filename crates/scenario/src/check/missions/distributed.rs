@@ -8,6 +8,7 @@ use sextant_apps::distributed::{
     PatternBearings, Patterns,
 };
 use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
+use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::dmg::MAX_BEACON_PAYLOAD_OCTETS;
 use sextant_mapper::BearingTable;
@@ -93,7 +94,8 @@ pub(crate) fn check_distributed(
     check_phase(written, has_mobile, errors);
     if anchors.is_empty() && !has_mobile {
         let needed = "at least one node, or a robot with `role = \"anchor\"`, that knows its place";
-        errors.refuse(&SettingError::missing("anchors", needed));
+        let found = format!("0 of the {}", counted(setup.world.nodes.len(), "node"));
+        errors.refuse(&SettingError::new("anchors", found, needed));
     }
     let algorithm = if has_mobile { "dmmtm-hs" } else { "dmmtm-ss" };
     let name = written.name.clone().unwrap_or_else(|| algorithm.to_owned());

@@ -244,7 +244,8 @@ impl Surroundings<'_> {
             world,
             targets: &self.config.world.targets,
             sensors: &self.config.sensors,
-            has_sink: sinks.iter().any(is_in),
+            // A sink that has no place is a mistake of its own.
+            has_sink: sinks.iter().any(is_in) || sinks.len() < self.config.sinks.len(),
             medium,
         })
     }

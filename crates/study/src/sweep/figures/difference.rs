@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use sextant::summary::Unit;
 use sextant_figure::{Curves, Series};
 use sextant_recording::output::{CsvFile, EmptyCell};
 
@@ -144,8 +145,9 @@ impl<'a> Differences<'a> {
         let counts = curves.values().flatten().map(|(_, values)| values.len());
         let note = note("difference between runs with the same seed, mean", counts);
         let series = curves.into_iter().map(|(curve, points)| {
-            let (points, half_widths) = averaged(points);
-            Series { name: curve.name("difference"), points, half_widths }
+            // The difference of two outcomes is no outcome: -1, 0 or 1.
+            let (points, intervals) = averaged(points, Unit::Plain);
+            Series { name: curve.name("difference"), points, intervals }
         });
         let against = self.reference.words(table);
         Some(Curves {

@@ -73,7 +73,12 @@ impl<'a> Groups<'a> {
 
     /// The curve of a row.
     pub(super) fn of(&self, row: usize) -> Curve {
-        let (table, map) = (self.table, self.table.map(row));
+        self.of_map(row, self.table.map(row))
+    }
+
+    /// The curve of a map with the settings of a row.
+    pub(super) fn of_map(&self, row: usize, map: &str) -> Curve {
+        let table = self.table;
         let map = match (self.has_maps, table.maps()) {
             (true, maps @ [_, _, ..]) => {
                 (maps.iter().position(|other| other == map).unwrap_or(0), Some(map.to_owned()))

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use sextant::summary::Unit;
 use sextant_figure::{Curves, Series};
 
 use super::groups::{Curve, Groups};
@@ -18,10 +19,11 @@ pub(super) fn curves(table: &FinishedTable, title: &str, across: usize, drawn: &
             add(curves.entry(groups.of(row)).or_default(), x, y);
         }
     }
-    let note = note("mean", curves.values().flatten().map(|(_, values)| values.len()));
+    let what = if drawn.unit == Unit::Outcome { "share" } else { "mean" };
+    let note = note(what, curves.values().flatten().map(|(_, values)| values.len()));
     let series = curves.into_iter().map(|(curve, points)| {
-        let (points, half_widths) = averaged(points);
-        Series { name: curve.name("mean"), points, half_widths }
+        let (points, intervals) = averaged(points, drawn.unit);
+        Series { name: curve.name(what), points, intervals }
     });
     Curves {
         title: title.to_owned(),
@@ -53,8 +55,22 @@ mod tests {
         let points: Vec<_> = curves.series.iter().map(|series| (&*series.name, series.points.clone())).collect();
         assert_eq!(points, [("a kind 3", vec![(10.0, 0.25)]), ("a kind 20", vec![(2.5, 0.9), (10.0, 0.6)])]);
         // Two runs, of which one has two rows: t(0.975; 1) = 12.706 times 0.1414 / sqrt(2).
-        assert!((curves.series[1].half_widths[1] - 1.2706).abs() < 1e-3);
+        assert!((curves.series[1].intervals[1].unwrap()[1] - 0.6 - 1.2706).abs() < 1e-3);
         assert_eq!((&*curves.up, &*curves.across), ("packet reception ratio", "b rate"));
+    }
+
+    #[test]
+    fn an_outcome_is_a_share_whose_interval_stays_from_0_to_1() {
+        let text = "cell,replicate,seed,rate,map,error,applications.detarsk.captured\n0,0,1,1,,,1.0\n0,1,2,1,,,1.0\n\
+                    0,2,3,1,,,0.0\n0,3,4,1,,,1.0\n0,4,5,1,,,1.0\n1,0,1,2,,,1.0\n1,1,2,2,,,1.0\n";
+        let table = FinishedTable::parse(text).unwrap();
+        let curves = curves(&table, "t", 3, &Drawn::of(&table, 6));
+        assert_eq!(curves.series[0].points, [(1.0, 0.8), (2.0, 1.0)]);
+        let [few, all] = [0, 1].map(|i| curves.series[0].intervals[i].unwrap());
+        assert!((few[0] - 0.2836).abs() < 1e-4 && (few[1] - 0.9949).abs() < 1e-4, "{few:?}");
+        // If it happened in both runs, the low end is the square root of 0.025.
+        assert!((all[0] - 0.025_f64.sqrt()).abs() < 1e-6 && (all[1] - 1.0).abs() < 1e-9, "{all:?}");
+        assert_eq!(curves.note, "share of 2 to 5 runs, with 95 % intervals");
     }
 
     #[test]

@@ -14,9 +14,9 @@ use sextant_figure::Figure;
 use sextant_recording::output::CsvFile;
 use sextant_scenario::Scenario;
 
+use super::average::Average;
 use super::error::TableError;
-use super::finished_table::FinishedTable;
-use super::statistics::Mean;
+use super::finished_table::{FinishedTable, check_numbers};
 use difference::{Differences, Reference};
 
 /// What is drawn of a table.
@@ -41,9 +41,10 @@ pub struct StudyDrawing {
     pub differences: Option<CsvFile>,
 }
 
-/// A measure that is drawn: its column, its name on an axis, and the factor to the unit of the axis.
+/// A measure that is drawn: its column, its unit there, its name on an axis, and the factor to the unit of the axis.
 struct Drawn {
     column: usize,
+    unit: Unit,
     label: String,
     factor: f64,
 }
@@ -52,7 +53,7 @@ impl Drawn {
     fn of(table: &FinishedTable, column: usize) -> Self {
         let name = &table.columns()[column];
         let Some(measure) = table.known(column) else {
-            return Self { column, label: name.clone(), factor: 1.0 };
+            return Self { column, unit: Unit::Plain, label: name.clone(), factor: 1.0 };
         };
         let numbers = table.rows_of(column).into_iter().filter_map(|row| table.number(row, column));
         let largest = numbers.fold(0.0, |largest: f64, number| largest.max(number.abs()));
@@ -62,7 +63,8 @@ impl Drawn {
             unit => unit.for_size(largest),
         };
         let words = measure.name_in_words();
-        Self { column, label: if unit.is_empty() { words.to_owned() } else { format!("{words} ({unit})") }, factor }
+        let label = if unit.is_empty() { words.to_owned() } else { format!("{words} ({unit})") };
+        Self { column, unit: measure.unit(), label, factor }
     }
 
     /// The number of a row, in the unit of the axis.
@@ -87,6 +89,10 @@ impl StudyFigures<'_> {
         } else {
             self.columns.iter().map(|name| table.measure(name)).collect::<Result<_, _>>()?
         };
+        // Columns that others added may have texts, but not beside numbers in a figure.
+        for &column in &wanted {
+            check_numbers(&table, column).map_err(|why| TableError::Rows { path: path.to_owned(), why })?;
+        }
         let drawn: Vec<Drawn> = wanted.into_iter().map(|column| Drawn::of(&table, column)).collect();
         let name = |drawn: &Drawn| table.columns()[drawn.column].replace(['.', '/'], "-");
         if let Some(against) = self.against {
@@ -138,11 +144,11 @@ fn add(points: &mut Points, x: f64, y: f64) {
     }
 }
 
-/// The means of points by the number across, and half of their intervals.
-fn averaged(mut points: Points) -> (Vec<(f64, f64)>, Vec<f64>) {
+/// The averages of points of this unit by the number across, and their intervals.
+fn averaged(mut points: Points, unit: Unit) -> (Vec<(f64, f64)>, Vec<Option<[f64; 2]>>) {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let means = points.iter().filter_map(|(x, values)| Some((*x, Mean::of(values)?)));
-    means.map(|(x, mean)| ((x, mean.mean), mean.half_width_95.unwrap_or(0.0))).unzip()
+    let averages = points.iter().filter_map(|(x, values)| Some((*x, Average::of(unit, values)?)));
+    averages.map(|(x, average)| ((x, average.value()), average.interval_95())).unzip()
 }
 
 /// The note of a figure of points with so many runs each.

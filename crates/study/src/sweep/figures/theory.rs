@@ -43,7 +43,7 @@ pub(super) fn curves(table: &FinishedTable, scenario: &Scenario, across: usize, 
     }
     let series = |(curve, mut points): (Curve, Vec<(f64, f64)>)| {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Series { name: curve.name(""), points, half_widths: Vec::new() }
+        Series { name: curve.name(""), points, intervals: Vec::new() }
     };
     curves.into_iter().map(series).collect()
 }

@@ -56,14 +56,14 @@ pub(super) const LINK: &[KnownMeasure<'static>] = &[
 /// Of a search for targets: its course, at each of the instants.
 pub(super) static COURSE: LazyLock<Vec<Made>> = LazyLock::new(|| {
     let numbers = [
-        ("distance_to_target_m", "distance of robots to the nearest target"),
-        ("prediction_error_m", "mean error of predicted places since the instant before,"),
+        ("distance_to_target_m", "distance of robots to the nearest target", ": 0 once all are captured"),
+        ("prediction_error_m", "mean error of predicted places since the instant before,", ""),
     ];
-    let at = |(what, words): (&str, &str)| {
+    let at = |(what, words, more): (&str, &str, &str)| {
         SEARCH_INSTANTS_S.map(|time_s| Made {
             path: format!("{what}.at_{time_s}_s"),
             unit: Metre,
-            meaning: format!("{words} after {time_s} s"),
+            meaning: format!("{words} after {time_s} s{more}"),
         })
     };
     numbers.into_iter().flat_map(at).collect()
