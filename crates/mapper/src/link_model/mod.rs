@@ -13,6 +13,7 @@ mod outages;
 mod parts;
 mod posterior;
 mod predict;
+mod prediction;
 mod receiver;
 mod receiver_trial;
 mod report;
