@@ -346,12 +346,17 @@ fn the_hops_of_a_packet_are_its_way_along_the_tree() {
     }
 }
 
+/// The number of nodes.
+fn nodes_of(summary: &Value) -> usize {
+    usize::try_from(summary["simulation"]["nodes"].as_u64().expect("a number")).expect("few nodes")
+}
+
 /// Number, mean and percentiles of the delays of packets over several hops, by the tables alone: from the offer at the origin to the
 /// end of the first frame that was received at the target, or at any sink.
 fn end_to_end(trace: &Traced, is_origin: impl Fn(usize) -> bool) -> Vec<f64> {
     let tables = trace.folder.path().join("tables");
     let hops = table(&tables.join("routing_hops.csv"));
-    let nodes = trace.summary["simulation"]["nodes"].as_u64().expect("a number") as usize;
+    let nodes = nodes_of(&trace.summary);
     let warm_up_s = trace.summary["mac"]["warm_up_s"].as_f64().unwrap_or(0.0);
     let packets: BTreeMap<&str, _> = trace.packets.iter().map(|packet| (&*packet["packet"], packet)).collect();
     let mut arrivals: BTreeMap<(&str, &str, &str), f64> = BTreeMap::new();
@@ -393,7 +398,7 @@ fn delays_over_several_hops_are_those_of_the_trace() {
     let delays_s = end_to_end(&given, |_| true);
     assert_delays(&delays_s, &given.summary["routing"]);
     let both = Traced::of(&scenario("routing/requests-and-answers.toml"), &["duration_s=600"]);
-    let nodes = both.summary["simulation"]["nodes"].as_u64().expect("a number") as usize;
+    let nodes = nodes_of(&both.summary);
     assert_delays(&end_to_end(&both, |origin| origin < nodes), &both.summary["routing"]);
     assert_delays(&end_to_end(&both, |origin| origin >= nodes), &both.summary["routing"]["answers"]);
     let slots = Traced::of(&scenario("batteries/slots-tree.toml"), &["duration_s=2400"]);

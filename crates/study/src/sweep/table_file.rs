@@ -169,7 +169,8 @@ pub(super) fn end_of_whole_runs(path: &Path, mark: &str) -> Result<Option<u64>, 
     let is_whole = row.is_empty()
         || row.len() > columns
         || (row.len() == columns
-            && (row.iter().last() == Some(mark.as_bytes()) || ends_a_line(path).map_err(|why| wrong(why.into()))?));
+            && (row.iter().next_back() == Some(mark.as_bytes())
+                || ends_a_line(path).map_err(|why| wrong(why.into()))?));
     Ok((!is_whole).then_some(start))
 }
 

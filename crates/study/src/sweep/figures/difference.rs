@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant::summary::Unit;
-use sextant_figure::{Curves, Series};
+use sextant_figure::Curves;
 use sextant_recording::output::{CsvFile, EmptyCell};
 
 use super::groups::{Curve, Groups};
@@ -144,11 +144,9 @@ impl<'a> Differences<'a> {
         }
         let counts = curves.values().flatten().map(|(_, values)| values.len());
         let note = note("difference between runs with the same seed, mean", counts);
-        let series = curves.into_iter().map(|(curve, points)| {
-            // The difference of two outcomes is no outcome: -1, 0 or 1.
-            let (points, intervals) = averaged(points, Unit::Plain);
-            Series { name: curve.name("difference"), points, intervals }
-        });
+        // The difference of two outcomes is no outcome: -1, 0 or 1.
+        let series =
+            curves.into_iter().map(|(curve, points)| averaged(curve.name("difference"), points, Unit::Plain));
         let against = self.reference.words(table);
         Some(Curves {
             title: format!("{title}: against {against}"),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use sextant::summary::Unit;
-use sextant_figure::{Curves, Series};
+use sextant_figure::Curves;
 
 use super::groups::{Curve, Groups};
 use super::{Drawn, Points, add, averaged, note};
@@ -21,10 +21,7 @@ pub(super) fn curves(table: &FinishedTable, title: &str, across: usize, drawn: &
     }
     let what = if drawn.unit == Unit::Outcome { "share" } else { "mean" };
     let note = note(what, curves.values().flatten().map(|(_, values)| values.len()));
-    let series = curves.into_iter().map(|(curve, points)| {
-        let (points, intervals) = averaged(points, drawn.unit);
-        Series { name: curve.name(what), points, intervals }
-    });
+    let series = curves.into_iter().map(|(curve, points)| averaged(curve.name(what), points, drawn.unit));
     Curves {
         title: title.to_owned(),
         note,

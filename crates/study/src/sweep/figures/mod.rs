@@ -10,7 +10,7 @@ mod theory;
 use std::path::Path;
 
 use sextant::summary::Unit;
-use sextant_figure::Figure;
+use sextant_figure::{Figure, Series};
 use sextant_recording::output::CsvFile;
 use sextant_scenario::Scenario;
 
@@ -144,11 +144,12 @@ fn add(points: &mut Points, x: f64, y: f64) {
     }
 }
 
-/// The averages of points of this unit by the number across, and their intervals.
-fn averaged(mut points: Points, unit: Unit) -> (Vec<(f64, f64)>, Vec<Option<[f64; 2]>>) {
+/// The curve of the averages of points of this unit by the number across, with their intervals.
+fn averaged(name: String, mut points: Points, unit: Unit) -> Series {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let averages = points.iter().filter_map(|(x, values)| Some((*x, Average::of(unit, values)?)));
-    averages.map(|(x, average)| ((x, average.value()), average.interval_95())).unzip()
+    let (points, intervals) = averages.map(|(x, average)| ((x, average.value()), average.interval_95())).unzip();
+    Series { name, points, intervals }
 }
 
 /// The note of a figure of points with so many runs each.
