@@ -1,8 +1,8 @@
 //! What robots and nodes need that work on a map of the nodes: the map, polls of the nodes around a robot, the place of
 //! the robot on the map, and messages that reach all nodes hop by hop.
 //!
-//! A robot knows its odometry and what it hears. It asks the nodes around it ([`Request`]); those answer with their
-//! place on the map ([`Answer`]) and what they sensed. From the powers of the answers and its odometry it works out
+//! A robot knows its odometry and what it hears. It asks the nodes around it (`Request`); those answer with their
+//! place on the map (`Answer`) and what they sensed. From the powers of the answers and its odometry it works out
 //! where it is on the map (`PlaceOnMap`).
 
 mod asking;
