@@ -2,7 +2,7 @@
 
 use super::ours::Ours;
 use super::published::PublishedRange;
-use sextant_study::sweep::{Mean, Share};
+use sextant_study::sweep::Share;
 
 /// How near our value is to a published number or range. The interval is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ impl Agreement {
     pub(crate) fn of(published: &str, ours: &Ours) -> Option<Self> {
         let range = PublishedRange::read(published)?;
         let (value, interval) = match ours {
-            Ours::Mean(mean) => (mean.mean, interval(mean)),
+            Ours::Mean(mean) => (mean.mean, mean.interval_95()),
             Ours::Share(share) => (100.0 * share.share(), Some(ends(share))),
             Ours::Exact(value) => {
                 return Some(agreement(&range, *value, Some([value - range.ulp, value + range.ulp])));
@@ -68,10 +68,6 @@ impl Agreement {
         };
         Some(agreement(&range, value, interval))
     }
-}
-
-fn interval(mean: &Mean) -> Option<[f64; 2]> {
-    mean.half_width_95.map(|half_width| [mean.mean - half_width, mean.mean + half_width])
 }
 
 fn ends(share: &Share) -> [f64; 2] {
@@ -94,6 +90,8 @@ fn agreement(range: &PublishedRange, value: f64, interval: Option<[f64; 2]>) -> 
 
 #[cfg(test)]
 mod tests {
+    use sextant_study::sweep::Mean;
+
     use super::*;
 
     #[test]

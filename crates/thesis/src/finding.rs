@@ -46,10 +46,10 @@ impl Finding {
     /// The finding of several comparisons, all of which must support the conclusion; `None` if there are none.
     pub(super) fn of(margins: &[Mean], factor: f64, unit: &'static str) -> Option<Self> {
         let least = |end: fn(&Mean) -> f64| margins.iter().min_by(|a, b| end(a).total_cmp(&end(b)));
-        let (by_low_end, by_high_end) = (least(|margin| interval(margin).0)?, least(|margin| interval(margin).1)?);
-        let (verdict, margin) = if interval(by_high_end).1 <= 0.0 {
+        let (by_low_end, by_high_end) = (least(|margin| interval(margin)[0])?, least(|margin| interval(margin)[1])?);
+        let (verdict, margin) = if interval(by_high_end)[1] <= 0.0 {
             (Verdict::DoesNotHold, by_high_end)
-        } else if interval(by_low_end).0 > 0.0 {
+        } else if interval(by_low_end)[0] > 0.0 {
             (Verdict::Holds, by_low_end)
         } else {
             (Verdict::CannotBeTold, by_low_end)
@@ -59,7 +59,6 @@ impl Finding {
 }
 
 /// The ends of the 95 % interval; for a single run it contains all numbers.
-fn interval(mean: &Mean) -> (f64, f64) {
-    let half_width = mean.half_width_95.unwrap_or(f64::INFINITY);
-    (mean.mean - half_width, mean.mean + half_width)
+fn interval(mean: &Mean) -> [f64; 2] {
+    mean.interval_95().unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
 }

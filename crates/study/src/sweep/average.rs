@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 use sextant::summary::Unit;
 
 use super::share::Share;
-use super::statistics::Mean;
+use super::statistics::{Mean, Sums};
 
 /// The average of a measure over independent runs, whose interval is that of its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,17 @@ impl Average {
         match unit {
             Unit::Outcome => Share::of(values).map(Self::Share),
             _ => Mean::of(values).map(Self::Mean),
+        }
+    }
+
+    /// The same of values that are summed up.
+    pub(super) fn of_sums(unit: Unit, sums: &Sums) -> Option<Self> {
+        match unit {
+            Unit::Outcome => {
+                let (happened, runs) = sums.outcomes();
+                Share::counted(happened, runs).map(Self::Share)
+            }
+            _ => sums.mean().map(Self::Mean),
         }
     }
 
@@ -48,7 +59,7 @@ impl Average {
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
         match self {
-            Self::Mean(mean) => mean.half_width_95.map(|half| [mean.mean - half, mean.mean + half]),
+            Self::Mean(mean) => mean.interval_95(),
             Self::Share(share) => (share.runs > 1).then_some(share.interval_95),
         }
     }

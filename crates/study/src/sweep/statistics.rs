@@ -24,6 +24,12 @@ impl Mean {
         sums.mean()
     }
 
+    /// The ends of the 95 % confidence interval; `None` for a single run.
+    #[must_use]
+    pub fn interval_95(&self) -> Option<[f64; 2]> {
+        self.half_width_95.map(|half_width| [self.mean - half_width, self.mean + half_width])
+    }
+
     /// The mean with its interval as a text: `6.01 ± 0.28 %`.
     #[must_use]
     pub fn text(&self, unit: &str) -> String {

@@ -2,14 +2,13 @@
 
 use std::iter::Peekable;
 
-use sextant::summary::{Measure, Unit};
+use sextant::summary::Measure;
 
 use super::average::Average;
 use super::error::TableError;
 use super::plan::Sweep;
 use super::row::RunRow;
 use super::rows::{RowIter, Rows};
-use super::share::Share;
 use super::statistics::Sums;
 
 /// The runs of a cell in a few numbers.
@@ -29,14 +28,7 @@ impl CellSummary {
     #[must_use]
     pub fn average(&self, plan: &Sweep, measure: &Measure) -> Option<Average> {
         let at = plan.measures().iter().position(|other| other == measure)?;
-        let sums = self.sums.get(at)?;
-        match measure.unit() {
-            Unit::Outcome => {
-                let (happened, runs) = sums.outcomes();
-                Share::counted(happened, runs).map(Average::Share)
-            }
-            _ => sums.mean().map(Average::Mean),
-        }
+        Average::of_sums(measure.unit(), self.sums.get(at)?)
     }
 }
 
