@@ -1,11 +1,12 @@
 //! How measured ranges differ from true distances.
 
-use std::f64::consts::{LN_2, PI};
+use std::f64::consts::PI;
 
-use libm::{cosh, erfc, exp, log, log1p, sinh};
+use libm::{cosh, sinh};
+use sextant_kernel::maths::{exp, ln, mills_ratio, with_widest_vectors};
 
-/// Half of the logarithm of 2π.
-const HALF_LOG_OF_TAU: f64 = 0.5 * (LN_2 + 1.144_729_885_849_400_2);
+/// One over the root of 2π.
+const PER_ROOT_OF_TAU: f64 = 0.398_942_280_401_432_7;
 
 /// The law of the error of a range that is left when bias and scale are taken off: a mixture of three.
 ///
@@ -66,20 +67,20 @@ impl RangeErrorLaw {
     /// Standard deviation of the noise (m).
     #[must_use]
     pub fn noise_m(&self) -> f64 {
-        exp(self.log_noise)
+        libm::exp(self.log_noise)
     }
 
     /// Mean excess of ranges by a longer way (m).
     #[must_use]
     pub fn excess_m(&self) -> f64 {
-        exp(self.log_excess)
+        libm::exp(self.log_excess)
     }
 
     /// The shares of the three parts.
     #[must_use]
     pub fn shares(&self) -> RangeErrorShares {
         let most = self.log_odds_late.max(self.log_odds_wild).max(0.0);
-        let [noise, late, wild] = [0.0, self.log_odds_late, self.log_odds_wild].map(|odds| exp(odds - most));
+        let [noise, late, wild] = [0.0, self.log_odds_late, self.log_odds_wild].map(|odds| libm::exp(odds - most));
         let sum = noise + late + wild;
         RangeErrorShares { noise: noise / sum, late: late / sum, wild: wild / sum }
     }
@@ -113,11 +114,12 @@ impl RangeErrorLaw {
         let (noise_m, excess_m, shares) = (self.noise_m(), self.excess_m(), self.shares());
         PreparedRangeErrorLaw {
             noise_m,
+            ratio: noise_m / excess_m,
             excess_m,
             shares,
-            log_noise: log(shares.noise) - self.log_noise - HALF_LOG_OF_TAU,
-            log_late: log(shares.late) - self.log_excess + 0.5 * (noise_m / excess_m).powi(2),
-            log_wild: log(shares.wild) - log(PI * Self::WILD_M),
+            noise: PER_ROOT_OF_TAU * shares.noise / noise_m,
+            late: shares.late / excess_m,
+            wild: shares.wild / (PI * Self::WILD_M),
         }
     }
 }
@@ -127,82 +129,97 @@ impl RangeErrorLaw {
 pub struct PreparedRangeErrorLaw {
     noise_m: f64,
     excess_m: f64,
+    /// The noise over the excess.
+    ratio: f64,
     shares: RangeErrorShares,
-    /// What the logarithms of the three densities begin with.
-    log_noise: f64,
-    log_late: f64,
-    log_wild: f64,
+    /// What the densities of the three parts begin with (per metre).
+    noise: f64,
+    late: f64,
+    wild: f64,
+}
+
+/// The densities of the three parts at an error, each times its share (per metre).
+struct Parts {
+    noise: f64,
+    late: f64,
+    wild: f64,
+    /// The slope that the late part has because it begins at the straight way, times the noise.
+    rise: f64,
+}
+
+impl Parts {
+    #[inline(always)]
+    fn sum(&self) -> f64 {
+        self.noise + self.late + self.wild
+    }
 }
 
 impl PreparedRangeErrorLaw {
-    /// The logarithms of the shares of the three parts in the density at an error, and the normal distribution function of the late part.
-    #[inline]
-    fn logs(&self, error_m: f64, below: &LogNormal) -> [f64; 3] {
+    /// The noise with an exponential excess is `exp(r²/2 - zr) Φ(z - r)` over the mean excess, with the error z in standard deviations of
+    /// the noise and the ratio r of noise and excess. By Mills' ratio it needs no number that is too large.
+    #[inline(always)]
+    fn parts(&self, error_m: f64) -> Parts {
         let z = error_m / self.noise_m;
-        [
-            self.log_noise - 0.5 * z * z,
-            self.log_late - error_m / self.excess_m + below.log,
-            self.log_wild - log1p((error_m / RangeErrorLaw::WILD_M).powi(2)),
-        ]
+        let x = z - self.ratio;
+        let normal = exp(-0.5 * z * z);
+        let rise = PER_ROOT_OF_TAU * normal;
+        let tail = rise * mills_ratio(x.abs());
+        let whole = exp(self.ratio * (0.5 * self.ratio - z));
+        let below = if x < 0.0 { tail } else { whole - tail };
+        let wild = error_m / RangeErrorLaw::WILD_M;
+        Parts {
+            noise: self.noise * normal,
+            late: self.late * below,
+            wild: self.wild / (1.0 + wild * wild),
+            rise: self.late * rise,
+        }
     }
 
-    /// Natural logarithm of the density of a range that is `error_m` too long (per metre).
+    /// The sum of the natural logarithms of the densities (per metre) of ranges that are so much too long.
     #[must_use]
-    pub fn log_density(&self, error_m: f64) -> f64 {
-        let below = LogNormal { log: log_below(error_m / self.noise_m - self.noise_m / self.excess_m), slope: 0.0 };
-        let logs = self.logs(error_m, &below);
-        let most = logs[0].max(logs[1]).max(logs[2]);
-        most + log(logs.map(|log| exp(log - most)).iter().sum())
+    pub fn log_likelihood(&self, errors_m: impl IntoIterator<Item = f64>) -> f64 {
+        /// So many ranges are worked on together.
+        const TOGETHER: usize = 64;
+        let mut errors_m = errors_m.into_iter();
+        let mut values = [0.0; TOGETHER];
+        let mut sum = 0.0;
+        loop {
+            let mut count = 0;
+            for (value, error_m) in values.iter_mut().zip(&mut errors_m) {
+                *value = error_m;
+                count += 1;
+            }
+            let values = &mut values[..count];
+            with_widest_vectors(
+                #[inline(always)]
+                || values.iter_mut().for_each(|value| *value = ln(self.parts(*value).sum())),
+            );
+            sum += values.iter().sum::<f64>();
+            if count < TOGETHER {
+                return sum;
+            }
+        }
     }
 
     /// The density of a range that is `error_m` too long, and its derivatives.
     #[must_use]
     pub fn density(&self, error_m: f64) -> RangeErrorDensity {
-        let Self { noise_m, excess_m, shares, .. } = *self;
+        let Self { noise_m, excess_m, ratio, shares, .. } = *self;
         let z = error_m / noise_m;
-        let ratio = noise_m / excess_m;
-        // Of the noise with an exponential excess: its value, and one over Mills' ratio.
-        let below = LogNormal::below(z - ratio);
-        let logs = self.logs(error_m, &below);
-        let most = logs[0].max(logs[1]).max(logs[2]);
-        let parts = logs.map(|log| exp(log - most));
-        let sum = parts[0] + parts[1] + parts[2];
-        let [noise, late, wild] = parts.map(|part| part / sum);
+        let parts = self.parts(error_m);
+        let sum = parts.sum();
+        let [noise, late, wild, rise] = [parts.noise, parts.late, parts.wild, parts.rise].map(|part| part / sum);
         let square = RangeErrorLaw::WILD_M.powi(2);
-        let by_error = noise * (-z / noise_m)
-            + late * (below.slope / noise_m - 1.0 / excess_m)
+        let by_error = noise * (-z / noise_m) + rise / noise_m - late / excess_m
             + wild * (-2.0 * error_m / (square + error_m * error_m));
-        let by_noise = noise * (z * z - 1.0) + late * (ratio * ratio - below.slope * (z + ratio));
-        let by_excess = late * (error_m / excess_m - 1.0 - ratio * ratio + below.slope * ratio);
+        let by_noise = noise * (z * z - 1.0) + late * ratio * ratio - rise * (z + ratio);
+        let by_excess = late * (error_m / excess_m - 1.0 - ratio * ratio) + rise * ratio;
         RangeErrorDensity {
-            log_density: most + log(sum),
+            log_density: ln(sum),
             by_error,
             by_law: [by_noise, by_excess, late - shares.late, wild - shares.wild],
             stiffness: noise / (noise_m * noise_m) + late / (noise_m * noise_m + excess_m * excess_m) + wild / square,
         }
-    }
-}
-
-/// The logarithm of the normal distribution function, and its derivative.
-struct LogNormal {
-    log: f64,
-    slope: f64,
-}
-
-impl LogNormal {
-    fn below(x: f64) -> Self {
-        let log = log_below(x);
-        Self { log, slope: exp(-0.5 * x * x - HALF_LOG_OF_TAU - log) }
-    }
-}
-
-/// The logarithm of Φ at `x`: by the complementary error function, far below by its asymptotic series.
-fn log_below(x: f64) -> f64 {
-    if x > -10.0 {
-        log(0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2))
-    } else {
-        let square = 1.0 / (x * x);
-        -0.5 * x * x - HALF_LOG_OF_TAU - log(-x) + log1p(square * (-1.0 + square * (3.0 - 15.0 * square)))
     }
 }
 

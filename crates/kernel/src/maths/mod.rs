@@ -7,6 +7,7 @@
 mod cholesky;
 mod exponential;
 mod logarithm;
+mod mills;
 mod shifted;
 
 use fearless_simd::{Level, dispatch};
@@ -14,6 +15,7 @@ use fearless_simd::{Level, dispatch};
 pub use cholesky::{cholesky, cholesky_watched, solve_lower};
 pub use exponential::{exp, exp_each};
 pub use logarithm::{ln, ln_each, ln_each_single};
+pub use mills::mills_ratio;
 pub use shifted::{InverseProducts, ShiftedMatrices};
 
 /// Does `work` with the widest vectors of this processor. A closure of more than a few operations needs `#[inline(always)]`, and so do the

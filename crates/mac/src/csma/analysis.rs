@@ -32,105 +32,137 @@ pub struct OneShot {
 }
 
 /// Stations before their next assessment, by its start, with their busy assessments so far; and the frames that may still
-/// disturb, by their start, and whether they collided. Times are in nanoseconds.
+/// disturb, by their start, and whether they collided. Times are in nanoseconds from the first assessment on.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct State {
-    contending: Vec<(u64, u8)>,
-    on_air: Vec<(u64, bool)>,
+    contending: Vec<(i64, u8)>,
+    on_air: Vec<(i64, bool)>,
+}
+
+impl State {
+    /// One more station assesses the channel at `start`, after `busy` busy assessments.
+    fn with_station(&self, start: i64, busy: u8) -> Self {
+        let mut next = self.clone();
+        next.contending.push((start, busy));
+        next.contending.sort_unstable();
+        next
+    }
+}
+
+/// Mean numbers of frames that are received and given up.
+#[derive(Clone, Copy, Default)]
+struct Fates {
+    received: f64,
+    failed: f64,
 }
 
 /// What becomes of the frames of `stations` that all get a frame of `mpdu_octets` at the same instant, by unslotted access:
-/// the exact probabilities, over all draws of all backoffs. States that differ in the names of stations alone are one.
-/// `None` for more than `MOST_ONE_SHOT` stations, for none, or if radios are idle before an assessment.
+/// the exact probabilities, over all draws of all backoffs. States that differ in the names of stations or in their time
+/// alone are one. `None` for more than `MOST_ONE_SHOT` stations, for none, or if radios are idle before an assessment.
 #[must_use]
 pub fn one_shot(stations: usize, settings: &CsmaSettings, phy: Phy, mpdu_octets: u8) -> Option<OneShot> {
     if stations == 0 || stations > MOST_ONE_SHOT || settings.has_idle_turnarounds() {
         return None;
     }
-    let round = Round { settings, phy, airtime_ns: nanos(phy.airtime(mpdu_octets)) };
+    let mut round = Round { settings, phy, airtime_ns: nanos(phy.airtime(mpdu_octets)), known: BTreeMap::new() };
     let mut states = BTreeMap::from([(State::default(), 1.0)]);
     for _ in 0..stations {
         let mut more = BTreeMap::new();
         for (state, probability) in states {
-            round.draw(&state, 0, 0, probability, &mut more);
+            let starts = round.backoffs(0);
+            let share = probability / starts.len() as f64;
+            for start in starts {
+                *more.entry(state.with_station(start, 0)).or_default() += share;
+            }
         }
         states = more;
     }
-    let (mut received, mut failed) = (0.0, 0.0);
-    // The first state is the one with the earliest assessment, so that equal states meet.
-    while let Some((state, probability)) = states.pop_first() {
-        let (sent, given_up) = round.step(state, probability, &mut states);
-        received += sent;
-        failed += given_up;
+    let mut mean = Fates::default();
+    for (state, probability) in states {
+        let Fates { received, failed } = round.fates(state);
+        mean.received += probability * received;
+        mean.failed += probability * failed;
     }
     let count = stations as f64;
-    Some(OneShot { received: received / count, failed: failed / count })
+    Some(OneShot { received: mean.received / count, failed: mean.failed / count })
 }
 
 struct Round<'a> {
     settings: &'a CsmaSettings,
     phy: Phy,
-    airtime_ns: u64,
+    airtime_ns: i64,
+    /// What becomes of the frames of each state that was met.
+    known: BTreeMap<State, Fates>,
 }
 
 impl Round<'_> {
-    /// One more station of `state` backs off from `now` after `busy` busy assessments: adds the states for each draw.
-    fn draw(&self, state: &State, now: u64, busy: u8, probability: f64, states: &mut BTreeMap<State, f64>) {
+    /// All lengths of the backoff after `busy` busy assessments, which are drawn alike.
+    fn backoffs(&self, busy: u8) -> Vec<i64> {
         let exponent = self.settings.min_be().saturating_add(busy).min(self.settings.max_be());
-        let draws = 1_u64 << exponent;
-        for draw in 0..draws {
-            let mut next = state.clone();
-            next.contending.push((now + draw * nanos(self.phy.backoff_period()), busy));
-            next.contending.sort_unstable();
-            *states.entry(next).or_default() += probability / draws as f64;
-        }
+        (0..1_i64 << exponent).map(|draw| draw * nanos(self.phy.backoff_period())).collect()
     }
 
-    /// The first assessment of a state. Returns the mean number of frames that are received and of those given up.
-    fn step(&self, mut state: State, probability: f64, states: &mut BTreeMap<State, f64>) -> (f64, f64) {
-        let mut given_up = 0.0;
-        if state.contending.is_empty() {
-            return (probability * self.settle(&mut state, u64::MAX), 0.0);
-        }
-        let (start, busy) = state.contending.remove(0);
+    /// What becomes of the frames that have not ended in `state`.
+    fn fates(&mut self, mut state: State) -> Fates {
+        let Some(&(first, _)) = state.contending.first() else {
+            return Fates { received: settle(&mut state, i64::MAX, self.airtime_ns), failed: 0.0 };
+        };
+        state.contending.iter_mut().for_each(|(start, _)| *start -= first);
+        state.on_air.iter_mut().for_each(|(begin, _)| *begin -= first);
         // Frames that ended before this assessment disturb nothing any more.
-        let received = probability * self.settle(&mut state, start);
+        let received = settle(&mut state, 0, self.airtime_ns);
+        let later = match self.known.get(&state) {
+            Some(&known) => known,
+            None => {
+                let found = self.assessed(state.clone());
+                self.known.insert(state, found);
+                found
+            }
+        };
+        Fates { received: received + later.received, ..later }
+    }
+
+    /// The same, by the first assessment of the state, which is at zero.
+    fn assessed(&mut self, mut state: State) -> Fates {
+        let (start, busy) = state.contending.remove(0);
         let sensed = start + nanos(self.phy.cca());
         if state.on_air.iter().any(|&(begin, _)| begin < sensed && begin + self.airtime_ns > start) {
             if busy + 1 > self.settings.max_backoffs() {
-                given_up = probability;
-                *states.entry(state).or_default() += probability;
-            } else {
-                self.draw(&state, sensed, busy + 1, probability, states);
+                let later = self.fates(state);
+                return Fates { failed: later.failed + 1.0, ..later };
             }
-        } else {
-            let begin = sensed + nanos(self.phy.turnaround());
-            let mut collides = false;
-            for (other, collided) in &mut state.on_air {
-                let overlaps = *other + self.airtime_ns > begin;
-                *collided |= overlaps;
-                collides |= overlaps;
-            }
-            state.on_air.push((begin, collides));
-            *states.entry(state).or_default() += probability;
+            let backoffs = self.backoffs(busy + 1);
+            let share = 1.0 / backoffs.len() as f64;
+            return backoffs.into_iter().fold(Fates::default(), |mean, backoff| {
+                let Fates { received, failed } = self.fates(state.with_station(sensed + backoff, busy + 1));
+                Fates { received: mean.received + share * received, failed: mean.failed + share * failed }
+            });
         }
-        (received, given_up)
-    }
-
-    /// Removes the frames that have ended at `now`, and returns the number of those that were received.
-    fn settle(&self, state: &mut State, now: u64) -> f64 {
-        let mut received = 0.0;
-        state.on_air.retain(|&(begin, collided)| {
-            let is_over = begin + self.airtime_ns <= now;
-            received += f64::from(u8::from(is_over && !collided));
-            !is_over
-        });
-        received
+        let begin = sensed + nanos(self.phy.turnaround());
+        let mut collides = false;
+        for (other, collided) in &mut state.on_air {
+            let overlaps = *other + self.airtime_ns > begin;
+            *collided |= overlaps;
+            collides |= overlaps;
+        }
+        state.on_air.push((begin, collides));
+        self.fates(state)
     }
 }
 
-fn nanos(span: Duration) -> u64 {
-    u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
+/// Removes the frames that have ended at `now`, and returns the number of those that were received.
+fn settle(state: &mut State, now: i64, airtime_ns: i64) -> f64 {
+    let mut received = 0.0;
+    state.on_air.retain(|&(begin, collided)| {
+        let is_over = begin.saturating_add(airtime_ns) <= now;
+        received += f64::from(u8::from(is_over && !collided));
+        !is_over
+    });
+    received
+}
+
+fn nanos(span: Duration) -> i64 {
+    i64::try_from(span.as_nanos()).unwrap_or(i64::MAX)
 }
 
 /// Saturated stations by slotted access, in the approximation of independent stations.
@@ -233,7 +265,6 @@ mod tests {
         assert_eq!(one_shot(MOST_ONE_SHOT + 1, &CsmaSettings::default(), PHY, 20), None);
     }
 
-    /// A test of its own, because it is the longest: it runs beside the others.
     #[test]
     fn one_shot_probabilities_of_four_stations_are_those_of_an_enumeration_of_all_draws() {
         enumerated(&[(4, 20, 0.731_216_2, 8.60e-5), (4, 44, 0.770_527_5, 1.430e-3)]);

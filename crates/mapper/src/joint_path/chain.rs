@@ -107,7 +107,7 @@ impl ChainSystem {
             let inverse = factor.inverse();
             let of_side = inverse * &sides[at];
             let of_slope = inverse * slopes[at];
-            border.gemm_tr(-1.0, &sides[at], &of_side, 1.0);
+            take_product(&mut border, &sides[at], &of_side);
             border_slope.gemv_tr(-1.0, &sides[at], &of_slope, 1.0);
             if let Some(next) = self.next.get(at) {
                 let link = next.transpose();
@@ -128,6 +128,17 @@ impl ChainSystem {
             border_slope,
             log_determinant,
         })
+    }
+}
+
+/// Takes `aᵀb`, which is symmetric, off the lower triangle of a matrix: the one that Cholesky's method reads.
+fn take_product(from: &mut DMatrix<f64>, a: &Side, b: &Side) {
+    let width = from.nrows();
+    let columns = from.as_mut_slice().chunks_exact_mut(width).zip(b.as_slice().chunks_exact(4));
+    for (at, (column, b)) in columns.enumerate() {
+        for (entry, a) in column[at..].iter_mut().zip(a.as_slice()[4 * at..].chunks_exact(4)) {
+            *entry -= a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        }
     }
 }
 

@@ -111,9 +111,7 @@ impl Hill for DriveProblem<'_> {
     type Point = DrivePoint;
 
     fn value(&self, at: &DrivePoint) -> f64 {
-        let law = self.law.prepared();
-        let of_range = |error_m: f64| law.log_density(error_m);
-        let mut value: f64 = self.worth * self.errors_m(at).into_iter().map(of_range).sum::<f64>();
+        let mut value = self.worth * self.law.prepared().log_likelihood(self.errors_m(at));
         value += self.odometry.value(&at.poses, &at.border);
         for (entry, mean, deviation) in self.priors() {
             value -= 0.5 * ((at.border[entry] - mean) / deviation).powi(2);

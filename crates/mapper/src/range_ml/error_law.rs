@@ -25,8 +25,7 @@ pub(crate) fn of_errors(errors_m: &[f64]) -> RangeErrorLaw {
     let (mean, precision) = (Vector4::from(mean), Vector4::from(deviation.map(|deviation| deviation.powi(-2))));
     let law = |at: &Vector4<f64>| RangeErrorLaw::of((*at).into()).prepared();
     let value = |at: &Vector4<f64>| -> f64 {
-        let law = law(at);
-        let likelihood: f64 = errors_m.iter().map(|&error_m| law.log_density(error_m)).sum();
+        let likelihood = law(at).log_likelihood(errors_m.iter().copied());
         likelihood - 0.5 * precision.dot(&(at - mean).component_mul(&(at - mean)))
     };
     let (mut at, mut damping) = (mean, 1e-3);

@@ -31,7 +31,7 @@ impl Explained {
                 groups.iter().map(|group| Residual::of(group, node, &point.shared).error_m).collect();
             let usual_m = median(&mut groups.iter().map(|group| group.range_m).collect::<Vec<_>>());
             let constant: Vec<f64> = groups.iter().map(|group| group.range_m - usual_m).collect();
-            let likelihood: f64 = left.iter().map(|&error_m| law.log_density(error_m)).sum();
+            let likelihood = law.log_likelihood(left.iter().copied());
             of_nodes.push(problem.worth * (likelihood - best(&constant)));
             by_places += likelihood;
             lefts.extend(left.iter().map(|error_m| error_m.abs()));
@@ -59,6 +59,5 @@ impl Explained {
 
 /// Logarithm of the likelihood of these errors (m) by the law that suits them best.
 fn best(errors_m: &[f64]) -> f64 {
-    let law = error_law::of_errors(errors_m).prepared();
-    errors_m.iter().map(|&error_m| law.log_density(error_m)).sum()
+    error_law::of_errors(errors_m).prepared().log_likelihood(errors_m.iter().copied())
 }

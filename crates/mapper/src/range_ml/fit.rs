@@ -7,6 +7,8 @@ use sextant_kernel::{Interrupted, Watch};
 const STEPS: u32 = 600;
 /// A fit has settled if a step gains less than that.
 const LEAST_GAIN: f64 = 1e-4;
+/// A curvature is no better known than to this share.
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A point at which the posterior is greatest.
 pub(super) struct Fitted {
@@ -60,7 +62,8 @@ pub(super) fn fitted(problem: &Problem<'_>, start: Point, watch: &dyn Watch) -> 
             }
         }
     }
-    let Some(curvature) = slopes.eliminated(0.0) else { return Ok(None) };
+    // Of a place that is far off, the curvature may be singular but for rounding.
+    let Some(curvature) = slopes.eliminated(0.0).or_else(|| slopes.eliminated(ROUNDING)) else { return Ok(None) };
     let log_prior = -(point.nodes.len() as f64) * libm::log(problem.node_bias_m);
     let log_evidence = value - problem.of_places(&point.shared) + log_prior - 0.5 * curvature.log_determinant();
     Ok(Some(Fitted { point, log_evidence, curvature, settled }))

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use sextant_channel::RangeErrorLaw;
 
 use super::error_law::bounded;
+use super::fit::ROUNDING;
 use super::groups::{RangeGroup, RangeGroups};
 
 /// Number of parameters that all ranges share.
@@ -166,7 +167,7 @@ impl Problem<'_> {
         let law = point.errors().prepared();
         let of_node = |(number, node): (usize, &NodeState)| -> f64 {
             let error_m = |group: &RangeGroup| Residual::of(group, node, &point.shared).error_m;
-            self.groups.of_node(number).iter().map(|group| law.log_density(error_m(group))).sum()
+            law.log_likelihood(self.groups.of_node(number).iter().map(error_m))
         };
         point.nodes.iter().enumerate().map(of_node).sum::<f64>() / self.groups.len() as f64
     }
@@ -174,9 +175,8 @@ impl Problem<'_> {
     /// The logarithm of the posterior of one node given the rest.
     pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
         let law = errors(shared).prepared();
-        let of_group = |group: &RangeGroup| law.log_density(Residual::of(group, node, shared).error_m);
-        let likelihood: f64 = self.groups.of_node(number).iter().map(of_group).sum();
-        self.worth * likelihood + self.node_prior(node)
+        let error_m = |group: &RangeGroup| Residual::of(group, node, shared).error_m;
+        self.worth * law.log_likelihood(self.groups.of_node(number).iter().map(error_m)) + self.node_prior(node)
     }
 
     /// The number of coordinates that take errors away: of many ranges they take nearly none.
@@ -304,7 +304,7 @@ impl Problem<'_> {
                 }
             }
         }
-        let factor = slopes.curvature.cholesky()?;
+        let factor = slopes.curvature.cholesky().or_else(|| damp(slopes.curvature, ROUNDING).cholesky())?;
         let log_determinant = 2.0 * factor.l().diagonal().map(libm::log).sum();
         let covariance = factor.inverse();
         Some(NodeMode { state, log_evidence: slopes.value - 0.5 * log_determinant, covariance })

@@ -155,10 +155,8 @@ fn ranges_in_another_unit_place_no_node_reliably() {
     ] {
         let errors = Errors { scale: of_metre - 1.0, noise_m: 0.1 * of_metre, ..Errors::default() };
         let (map, fit) = map(&log(&nodes(), &loops()[..4], errors));
-        let of_nodes = map.estimates.iter().flatten();
-        assert!(
-            of_nodes.clone().count() == 4 && of_nodes.clone().all(|node| node.concern == Some(Concern::Unsettled))
-        );
+        let concerns: Vec<_> = map.estimates.iter().flatten().map(|node| node.concern).collect();
+        assert_eq!(concerns, [Some(Concern::Unsettled); 4], "{unit}");
         let lines = crate::learned::Finding::lines(&fit.unwrap(), "a", &map);
         assert!(lines.iter().any(|line| line.text.contains(unit)), "{unit}: {lines:?}");
     }

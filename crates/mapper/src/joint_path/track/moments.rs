@@ -119,8 +119,7 @@ pub(super) fn log_density(errors_m: &[Vec<f64>]) -> f64 {
     if all.is_empty() {
         return f64::NEG_INFINITY;
     }
-    let law = error_law::of_errors(&all).prepared();
-    all.iter().map(|&error_m| law.log_density(error_m)).sum::<f64>() / all.len() as f64
+    error_law::of_errors(&all).prepared().log_likelihood(all.iter().copied()) / all.len() as f64
 }
 
 fn apart_m(place: Position, anchor: Position) -> f64 {

@@ -47,14 +47,13 @@ pub(super) fn tracked(
     let ranges = epochs.readings.len() - strengths;
     let [measured_ranges, measured_strengths] = epochs.measured;
     let track: Vec<[f64; 2]> = top.point.states.iter().map(|state| [state[0], state[1]]).collect();
-    let law = problem.law.prepared();
-    let densities = problem.errors(&top.point, false).into_iter().map(|(_, error_m)| law.log_density(error_m));
+    let errors_m = problem.errors(&top.point, false).into_iter().map(|(_, error_m)| error_m);
     let of_ranges = TrackRangeLaw {
         bias_m: border[at.bias()],
         scale: border[at.scale()],
         errors: problem.law,
         worth: problem.worth,
-        log_density: densities.sum::<f64>() / ranges.max(1) as f64,
+        log_density: problem.law.prepared().log_likelihood(errors_m) / ranges.max(1) as f64,
     };
     let of_strengths = at.has_strengths.then(|| TrackStrengthLaw {
         at_1_m_dbm: border[at.power()] - border[at.exponent()] * path_loss(1.0),

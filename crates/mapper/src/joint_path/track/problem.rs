@@ -171,9 +171,8 @@ impl Hill for TrackProblem<'_> {
     type Point = TrackPoint;
 
     fn value(&self, at: &TrackPoint) -> f64 {
-        let law = self.law.prepared();
-        let ranges = self.errors(at, false).into_iter().map(|(_, error_m)| law.log_density(error_m)).sum::<f64>();
-        let mut value = self.worth * ranges;
+        let errors_m = self.errors(at, false).into_iter().map(|(_, error_m)| error_m);
+        let mut value = self.worth * self.law.prepared().log_likelihood(errors_m);
         if self.border.has_strengths {
             let errors = self.errors(at, true).into_iter();
             value += self.strengths.worth * errors.map(|(_, db)| self.strengths.log_density(db)).sum::<f64>();
