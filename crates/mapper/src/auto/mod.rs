@@ -12,7 +12,7 @@ mod score;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, SectorGains, SectorTable};
-use sextant_kernel::{SettingError, Watch};
+use sextant_kernel::{NodeId, SettingError, Watch};
 
 use self::folds::{Fold, Folds};
 use self::opinions::GainOfLaw;
@@ -63,7 +63,7 @@ impl Default for AutoConfig {
 /// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out: packets,
 /// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
 /// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two standard
-/// errors. Where the log has strengths, it must predict these better from its places. One that is far behind after a fold is not
+/// errors. Where the log has strengths, it must predict these better from its places, and most links must have several packets. One that is far behind after a fold is not
 /// tried on the next. Their regions are enlarged until they explain how far their maps from parts of the stops differ. The places
 /// of the link model are joined with other [`Opinions`], which know no law of radio. A log with too few stops or nodes for folds
 /// is mapped by the link model. Where the log knows the measured gains of the sectors in which nodes were heard, a map by these
@@ -92,7 +92,8 @@ pub struct Choice {
     /// What it estimated with the map.
     pub fit: Option<EstimatorFit>,
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
-    /// its own regions tell, or the log cannot tell it from the link model, whose regions are wider.
+    /// its own regions tell, the log cannot tell it from the link model, whose regions are wider, or strengths fall more slowly than
+    /// in real surroundings.
     pub enlargement: f64,
     /// The other opinions on each place, if they are in the map.
     pub opinions: Option<Opinions>,
@@ -200,13 +201,14 @@ impl Auto {
         }
         let as_good = as_good(&candidates, &trials.predicted);
         let strengths_agree = as_good.is_none_or(|number| trials.strengths_agree(number));
-        let Trials { predicted, parts, gain, .. } = trials;
+        let Trials { predicted, parts, gain, has_strengths } = trials;
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
         let mut facts = ChoiceFacts {
             knows_places: prior.is_some(),
             compared: !predicted.is_empty(),
             as_good,
             strengths_agree,
+            single_packets: has_strengths && has_single_packets(log),
             settles: true,
         };
         // Usual links tell nothing of links that seem independent.
@@ -223,8 +225,8 @@ impl Auto {
         }
         let candidate = candidates[number];
         let enlargement = match candidate {
-            // Its regions know that its law is estimated.
-            Candidate::LinkModel(_) => 1.0,
+            // Its regions know that its law is estimated, but not that real strengths fall faster.
+            Candidate::LinkModel(_) => slow_fall(fit.as_ref()).powi(2),
             _ => {
                 let others = (0..parts.len()).filter(|&other| other != number);
                 let nearest_law = others.filter_map(|other| agreement::between_laws(&parts[number], &parts[other]));
@@ -245,7 +247,8 @@ impl Auto {
                 let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
                 let others = OtherOpinions::of(log, source, watch)?;
                 let others = if fit.has_far_nodes { others.amid_stops(log, &map) } else { others };
-                let joined = others.join(&mut map, gain.mean(), &OpinionConstants::LEARNT);
+                let constants = OpinionConstants::LEARNT.wider_by(enlargement.sqrt());
+                let joined = others.join(&mut map, gain.mean(), &constants);
                 joined.map(|joined| if is_own_law { Opinions { own_share: 1.0, ..joined } } else { joined })
             }
             _ => None,
@@ -265,7 +268,8 @@ impl Auto {
 impl Trials {
     /// Whether strengths, if there are any, speak for the places of an estimator of independent packets, which does not use them.
     fn strengths_agree(&self, number: usize) -> bool {
-        !self.has_strengths || score::strengths_confirm(&self.predicted[number], &self.predicted[LINKS])
+        !self.has_strengths
+            || score::strengths_confirm(&self.predicted[number], &self.predicted[LINKS], self.gain.mean())
     }
 }
 
@@ -309,10 +313,29 @@ fn gains_of(log: &ReceptionLog) -> Option<&SectorGains> {
     (is_used && log.receptions().sectors().is_some()).then_some(gains)
 }
 
+/// Whether most links of a log have no more than one packet.
+fn has_single_packets(log: &ReceptionLog) -> bool {
+    let links = || (0..log.node_count()).flat_map(|node| log.of(NodeId::from_index(node)));
+    2 * links().filter(|link| link.sent <= 1).count() > links().count()
+}
+
 /// Whether an estimator settles on a log: its profile does, and most places have no concern.
 fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
     let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
     has_curve && 2 * map.concerns().count() <= map.mapped()
+}
+
+/// How many times more slowly strengths fall with the logarithm of the distance than in real surroundings, at least 1: so many times
+/// wider are regions, because what makes them fall slowly is in no law.
+fn slow_fall(fit: Option<&EstimatorFit>) -> f64 {
+    /// The least path-loss exponent of real surroundings.
+    const LEAST_EXPONENT: f64 = 1.5;
+    match fit {
+        Some(EstimatorFit::Links(fit)) => {
+            fit.path_loss_exponent().map_or(1.0, |exponent| (LEAST_EXPONENT / exponent).clamp(1.0, 3.0))
+        }
+        _ => 1.0,
+    }
 }
 
 /// Enlarges the variances of a map by a factor.

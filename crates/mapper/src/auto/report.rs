@@ -96,11 +96,12 @@ impl Choice {
         }
         if let Some(factor) = self.enlargement() {
             let times = factor.sqrt();
-            let _ = write!(
-                text,
-                "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much, or as those of the \
-                 link model are"
-            );
+            let because = if matches!(self.fit, Some(EstimatorFit::Links(_))) {
+                "strengths fall so much more slowly with distance than in real surroundings"
+            } else {
+                "its maps from parts of the stops differ by so much, or as those of the link model are"
+            };
+            let _ = write!(text, "; its regions are {times:.1} times as wide as it says, as {because}");
         }
         text
     }

@@ -9,6 +9,8 @@ pub enum ChoiceReason {
     TooLittle,
     /// Strengths do not speak for the places of the one of independent packets that predicts as well.
     Strengths,
+    /// Each stop counts as one packet of a node, so that the log does not tell whether packets are independent.
+    SinglePackets,
     /// The one of independent packets that predicts as well as the link model does not settle on the log.
     Unsettled,
     /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
@@ -28,6 +30,8 @@ pub(super) struct ChoiceFacts {
     pub(super) as_good: Option<usize>,
     /// Whether strengths, if the log has any, speak for its places.
     pub(super) strengths_agree: bool,
+    /// Whether the log has strengths, and most links no more than one packet.
+    pub(super) single_packets: bool,
     /// Whether it settles on the log, as far as it was tried.
     pub(super) settles: bool,
 }
@@ -51,7 +55,7 @@ struct Rule {
 const LINK_MODEL: fn(&ChoiceFacts) -> Option<usize> = |_| None;
 
 /// The rules, from the first to the last.
-const RULES: [Rule; 6] = [
+const RULES: [Rule; 7] = [
     Rule {
         reason: ChoiceReason::KnownPlaces,
         holds: |facts| facts.knows_places,
@@ -75,6 +79,14 @@ const RULES: [Rule; 6] = [
         condition: "an estimator of independent packets predicts as well, but strengths do not speak for its places",
         choice: "link model",
         because: "an estimator of independent packets predicts the stops left out as well, but strengths do not speak for its places",
+    },
+    Rule {
+        reason: ChoiceReason::SinglePackets,
+        holds: |facts| facts.as_good.is_some() && facts.single_packets,
+        takes: LINK_MODEL,
+        condition: "an estimator of independent packets predicts as well, but there are strengths, and most links have one packet",
+        choice: "link model",
+        because: "the log has strengths, and most of its links have one packet: that does not tell whether packets are independent",
     },
     Rule {
         reason: ChoiceReason::Unsettled,
@@ -126,8 +138,10 @@ mod tests {
             compared,
             as_good,
             strengths_agree: true,
+            single_packets: false,
             settles: true,
         };
+        let single = ChoiceFacts { single_packets: true, ..facts(false, true, Some(2)) };
         let contradicted = ChoiceFacts { strengths_agree: false, ..facts(false, true, Some(2)) };
         let unsettled = ChoiceFacts { settles: false, ..facts(false, true, Some(2)) };
         for (facts, expected) in [
@@ -135,6 +149,7 @@ mod tests {
             (facts(false, false, None), (0, ChoiceReason::TooLittle)),
             (facts(false, true, Some(2)), (2, ChoiceReason::IndependentPackets)),
             (contradicted, (0, ChoiceReason::Strengths)),
+            (single, (0, ChoiceReason::SinglePackets)),
             (unsettled, (0, ChoiceReason::Unsettled)),
             (facts(false, true, None), (0, ChoiceReason::DependentPackets)),
         ] {

@@ -26,6 +26,7 @@ pub(super) struct Predicted {
 #[derive(Clone, Copy, Debug, Default)]
 struct PairSums {
     pairs: usize,
+    strengths: usize,
     /// Of the logarithms of the probabilities of all that was heard.
     log_all: f64,
     /// Of the logarithms of the densities of strengths alone.
@@ -64,6 +65,7 @@ impl Predicted {
         sums.log_all += libm::log(probability) + log_strength;
         sums.log_strengths += log_strength;
         sums.pairs += 1;
+        sums.strengths += usize::from(density.is_some());
     }
 
     fn pairs(&self, folds: usize) -> usize {
@@ -148,9 +150,14 @@ pub(super) fn as_good(predicted: &[Predicted], links: usize, independent: &[usiz
 
 /// Whether an estimator that does not use strengths predicts them better than the link model, which does, by more than a standard
 /// error. What it says of them comes from its places alone, so they are a witness of these. A curve that knows how far packets go
-/// may predict packets well and place nodes wrongly.
-pub(super) fn strengths_confirm(own: &Predicted, links: &Predicted) -> bool {
-    gain(own, links, STRENGTHS) > error(own, links, STRENGTHS)
+/// may predict packets well and place nodes wrongly. With the `gain_of_links` over fields without distance (nats a strength), it
+/// must gain over these too: where no places explain strengths, they are no witness.
+pub(super) fn strengths_confirm(own: &Predicted, links: &Predicted, gain_of_links: Option<f64>) -> bool {
+    let over_links = gain(own, links, STRENGTHS);
+    let folds = common_folds(own, links);
+    let strengths: usize = own.folds[..folds].iter().flatten().map(|sums| sums.strengths).sum();
+    let over_fields = over_links * own.pairs(folds) as f64 / strengths.max(1) as f64 + gain_of_links.unwrap_or(0.0);
+    over_links > error(own, links, STRENGTHS) && over_fields >= 0.0
 }
 
 #[cfg(test)]
@@ -194,9 +201,11 @@ mod tests {
         let links = of(0.5, [0.1, 0.11, 0.12, 0.1]);
         let curve = of(0.9, [0.06, 0.07, 0.07, 0.06]);
         assert_eq!(as_good(&[links.clone(), curve.clone()], 0, &[1]), Some(1), "all that was heard");
-        assert!(!strengths_confirm(&curve, &links));
-        assert!(!strengths_confirm(&of(0.9, [0.1, 0.12, 0.11, 0.1]), &links), "they are no better predicted");
-        assert!(strengths_confirm(&of(0.9, [0.2, 0.21, 0.22, 0.2]), &links));
+        assert!(!strengths_confirm(&curve, &links, None));
+        assert!(!strengths_confirm(&of(0.9, [0.1, 0.12, 0.11, 0.1]), &links, None), "they are no better predicted");
+        let places = of(0.9, [0.2, 0.21, 0.22, 0.2]);
+        assert!(strengths_confirm(&places, &links, None) && strengths_confirm(&places, &links, Some(-0.5)));
+        assert!(!strengths_confirm(&places, &links, Some(-0.9)), "fields without distance explain them better");
     }
 
     #[test]

@@ -58,11 +58,33 @@ impl OpinionConstants {
         own_share: 0.5,
     };
 
+    /// The same, with scales and errors that are wider by a factor.
+    #[must_use]
+    pub fn wider_by(self, factor: f64) -> Self {
+        Self {
+            rssi_centroid: self.rssi_centroid * factor,
+            strongest: self.strongest * factor,
+            links_error: self.links_error * factor,
+            ..self
+        }
+    }
+
     /// The share of a log in the law of its links, which has this `gain`.
     #[must_use]
     pub fn own_share_at(&self, gain: Option<f64>) -> f64 {
+        self.own_share + (1.0 - self.own_share) * self.is_own_at(gain)
+    }
+
+    /// The scale of the distribution of the link model, as a share of its covariance, under a law with this `gain`. The variance of a
+    /// law that is surely that of the log is the one that it tells; of others it is larger.
+    pub(super) fn links_scale_at(&self, gain: Option<f64>) -> f64 {
+        let as_told = (self.links_freedom - 2.0) / self.links_freedom;
+        1.0 - (1.0 - as_told) * self.is_own_at(gain)
+    }
+
+    /// How surely the law is that of the log, from 0 to 1.
+    fn is_own_at(&self, gain: Option<f64>) -> f64 {
         let [low, high] = self.own_gains;
-        let told = gain.unwrap_or(self.unknown_gain);
-        self.own_share + (1.0 - self.own_share) * ((told - low) / (high - low)).clamp(0.0, 1.0)
+        ((gain.unwrap_or(self.unknown_gain) - low) / (high - low)).clamp(0.0, 1.0)
     }
 }

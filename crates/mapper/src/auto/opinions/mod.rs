@@ -35,8 +35,14 @@ pub struct Opinions {
     pub own_share: f64,
     /// Power of the posterior of the link model.
     pub link_model_power: f64,
+    /// Scale of its Student distribution, as a share of its covariance: from all of it to the share with which the variance of the
+    /// distribution is that of the posterior.
+    pub link_model_scale: f64,
     /// How far its places may be off beyond what its posterior says (m).
     pub link_model_error_m: f64,
+    /// How much farther the others may be off beside stops that lie on a line (m): places amid the stops do not tell how far
+    /// beside them a node is.
+    pub beside_line_m: f64,
     /// The other opinions.
     pub others: Vec<Opinion>,
 }
@@ -71,7 +77,15 @@ impl Opinions {
             let [_, power] = constants.links_power;
             let others = vec![opinion(PacketCentroid::NAME, constants.centroid)];
             let error_m = constants.links_error * usual_link_m;
-            return Self { gain: None, own_share: 1.0, link_model_power: power, link_model_error_m: error_m, others };
+            return Self {
+                gain: None,
+                own_share: 1.0,
+                link_model_power: power,
+                link_model_scale: 1.0,
+                link_model_error_m: error_m,
+                beside_line_m: usual_link_m,
+                others,
+            };
         }
         let [low, high] = constants.gains;
         let told = gain.unwrap_or(constants.unknown_gain);
@@ -87,12 +101,20 @@ impl Opinions {
         let error_m = constants.links_error * usual_link_m / beyond;
         let own_share = constants.own_share_at(gain);
         let power = between(constants.links_power);
-        Self { gain, own_share, link_model_power: power, link_model_error_m: error_m, others }
+        Self {
+            gain,
+            own_share,
+            link_model_power: power,
+            link_model_scale: constants.links_scale_at(gain),
+            link_model_error_m: error_m,
+            beside_line_m: usual_link_m,
+            others,
+        }
     }
 
     /// The place of a node, with its covariance, of that by the link model and of the `others`. Heights follow as the link model
     /// has them depend on the place in the plane.
-    fn place(&self, estimate: &Estimate, others: &[Position], constants: &OpinionConstants) -> Option<Estimate> {
+    fn place(&self, estimate: &Estimate, told: &Told, constants: &OpinionConstants) -> Option<Estimate> {
         if estimate.concern == Some(Concern::TooFew) {
             return None;
         }
@@ -100,10 +122,15 @@ impl Opinions {
         let error_m = self.link_model_error_m;
         let in_plane = |place: Position| Vector2::new(place.x_m, place.y_m);
         let own = Matrix2::from_fn(|row, column| covariance[row][column]) + Matrix2::identity() * (error_m * error_m);
-        let links =
-            HeavyTailed::student(in_plane(estimate.position), own, constants.links_freedom, self.link_model_power);
-        let round = others.iter().zip(&self.others).map(|(place, opinion)| {
-            let scale = Matrix2::identity() * (opinion.scale_m * opinion.scale_m);
+        let links = HeavyTailed::student(
+            in_plane(estimate.position),
+            own * self.link_model_scale,
+            constants.links_freedom,
+            self.link_model_power,
+        );
+        let beside = beside_line(&told.heard_at) * (self.beside_line_m * self.beside_line_m);
+        let round = told.places.iter().zip(&self.others).map(|(place, opinion)| {
+            let scale = Matrix2::identity() * (opinion.scale_m * opinion.scale_m) + beside;
             HeavyTailed::student(in_plane(*place), scale, constants.freedom, constants.power)
         });
         let (mean, spread) = together(&std::iter::once(links).chain(round).collect::<Vec<_>>())?;
@@ -164,6 +191,8 @@ impl OpinionSource {
 pub struct OtherOpinions {
     source: OpinionSource,
     told: Vec<Option<Told>>,
+    /// The nodes beyond the stops, of which they tell nothing.
+    beyond: Vec<bool>,
     /// `None` if no node was heard at two places.
     usual_link_m: Option<f64>,
 }
@@ -186,7 +215,7 @@ impl OtherOpinions {
             .collect();
         let told = told?;
         let usual_link_m = usual_link_m(told.iter().flatten());
-        Ok(Self { source, told, usual_link_m })
+        Ok(Self { source, beyond: vec![false; told.len()], told, usual_link_m })
     }
 
     /// The same without opinions on nodes that `map` places beyond the stops of `log`. A place among the stops is all that these
@@ -201,24 +230,49 @@ impl OtherOpinions {
             let sides = border.iter().zip(border.iter().cycle().skip(1));
             sides.map(|(&from, &to)| turn(from, to, place)).all(|turn| turn >= 0.0)
         };
-        let told = self.told.into_iter().zip(&map.estimates);
-        Self { told: told.map(|(told, estimate)| told.filter(|_| is_amid(estimate))).collect(), ..self }
+        let beyond: Vec<bool> = map.estimates.iter().map(|estimate| !is_amid(estimate)).collect();
+        let told = self.told.into_iter().zip(&beyond).map(|(told, is_beyond)| told.filter(|_| !is_beyond)).collect();
+        Self { told, beyond, ..self }
     }
 
     /// Adds them to a `map` by the link model, whose law has this `gain`; what counted how much. `None` if no node was heard at
-    /// two places: the map stays as it is.
+    /// two places: the map stays as it is. A law that explains strengths worse than fields without distance is no evidence of how far
+    /// beyond the stops a node is.
     pub fn join(&self, map: &mut TopologyMap, gain: Option<f64>, constants: &OpinionConstants) -> Option<Opinions> {
         let opinions = Opinions::of(self.source, gain, self.usual_link_m?, constants);
-        let join = |(estimate, told): (&mut Option<Estimate>, &Option<Told>)| {
+        let explains_nothing = gain.is_some_and(|gain| gain <= constants.gains[0]);
+        let join = |((estimate, told), is_beyond): ((&mut Option<Estimate>, &Option<Told>), &bool)| {
             if let (Some(own), Some(told)) = (&*estimate, told)
-                && let Some(joined) = opinions.place(own, &told.places, constants)
+                && let Some(joined) = opinions.place(own, told, constants)
             {
                 *estimate = Some(joined);
+            } else if let Some(own) = estimate
+                && explains_nothing
+                && *is_beyond
+            {
+                own.concern = own.concern.or(Some(Concern::NoEvidence));
             }
         };
-        map.estimates.par_iter_mut().zip(&self.told).for_each(join);
+        map.estimates.par_iter_mut().zip(&self.told).zip(&self.beyond).for_each(join);
         Some(opinions)
     }
+}
+
+/// The direction beside the line near which some places lie, as a matrix that takes the part of a way along it: of places on a line
+/// with the whole of its square, of places that spread alike in all directions with nothing.
+fn beside_line(places: &[Position]) -> Matrix2<f64> {
+    let in_plane = |place: &Position| Vector2::new(place.x_m, place.y_m);
+    let middle = places.iter().map(in_plane).sum::<Vector2<f64>>() / places.len().max(1) as f64;
+    let ways = places.iter().map(|place| in_plane(place) - middle);
+    let spread = ways.map(|way| way * way.transpose()).sum::<Matrix2<f64>>().symmetric_eigen();
+    let (across, along) = if spread.eigenvalues[0] < spread.eigenvalues[1] { (0, 1) } else { (1, 0) };
+    let [least, most] = [across, along].map(|axis| spread.eigenvalues[axis].max(0.0));
+    if most <= 0.0 {
+        return Matrix2::zeros();
+    }
+    let share = 1.0 - (least / most).sqrt();
+    let direction = spread.eigenvectors.column(across);
+    direction * direction.transpose() * (share * share)
 }
 
 /// The usual length of a link in the plane (m): the geometric mean over nodes of the mean distance from the last of the other
@@ -259,7 +313,10 @@ mod tests {
         assert!(told.is_sorted_by(|a, b| a.link_model_power <= b.link_model_power));
         assert!(told.is_sorted_by(|a, b| a.others[0].scale_m <= b.others[0].scale_m));
         assert!(told.is_sorted_by(|a, b| a.link_model_error_m >= b.link_model_error_m));
-        assert!(told.is_sorted_by(|a, b| a.own_share <= b.own_share));
+        assert!(told.is_sorted_by(|a, b| a.own_share <= b.own_share && a.link_model_scale >= b.link_model_scale));
+        assert!(
+            (told[0].link_model_scale - 1.0).abs() < 1e-12 && (told[7].link_model_scale - 1.0 / 3.0).abs() < 1e-12
+        );
         assert_eq!((told[2].own_share, told[5].own_share, told[6].own_share), (0.5, 0.5, 1.0));
         assert_eq!(
             (told[0].link_model_power, told[0].others[0].scale_m, told[0].link_model_error_m),
@@ -279,15 +336,39 @@ mod tests {
             (Position::new(1.0, 2.0, 3.0), [Position::new(6.0, 2.0, 0.0), Position::new(5.0, 4.0, 0.0)]);
         // The height grows by half a metre for each metre along x.
         let covariance = [[4.0, 0.0, 2.0], [0.0, 1.0, 0.0], [2.0, 0.0, 1.5]];
-        let joined = opinions.place(&estimate(own, covariance), &others, &learnt).unwrap();
+        // Stops that spread alike in all directions.
+        let around = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|[x, y]| Position::new(x, y, 0.0));
+        let told = |places: [Position; 2]| Told { places: places.to_vec(), heard_at: around.to_vec() };
+        let joined = opinions.place(&estimate(own, covariance), &told(others), &learnt).unwrap();
         let moved = joined.position - own;
         assert!(moved.x_m > 0.5 && (moved.z_m - 0.5 * moved.x_m).abs() < 1e-12, "{moved}");
         let spread = joined.covariance.unwrap();
         assert!((spread[0][2] - 0.5 * spread[0][0]).abs() < 1e-12 && spread[2][2] > 0.5);
         let turned = |place: Position| Position::new(-place.y_m, place.x_m, place.z_m);
         let covariance = [[1.0, 0.0, 0.0], [0.0, 4.0, 2.0], [0.0, 2.0, 1.5]];
-        let other = opinions.place(&estimate(turned(own), covariance), &others.map(turned), &learnt).unwrap();
+        let other = opinions.place(&estimate(turned(own), covariance), &told(others.map(turned)), &learnt).unwrap();
         assert!(other.position.distance_m(turned(joined.position)) < 1e-9, "{} {}", other.position, joined.position);
+    }
+
+    #[test]
+    fn places_amid_stops_on_a_line_do_not_tell_how_far_beside_it_a_node_is() {
+        let learnt = OpinionConstants::LEARNT;
+        let opinions = Opinions::of(OpinionSource::Strengths, Some(-0.2), 8.0, &learnt);
+        let direction = Vector2::new(0.6, 0.8);
+        let on_line = |along: i32| {
+            let place = direction * f64::from(along);
+            Position::new(place[0], place[1], 0.0)
+        };
+        let line: Vec<Position> = (-5..=5).map(on_line).collect();
+        let across = Vector2::new(-0.8, 0.6);
+        assert!((beside_line(&line) - across * across.transpose()).norm() < 1e-9);
+        assert!(beside_line(&[]).norm() < 1e-12 && beside_line(&line[..1]).norm() < 1e-12);
+        let own = estimate(Position::ORIGIN, [[400.0, 0.0, 0.0], [0.0, 400.0, 0.0], [0.0; 3]]);
+        let told = Told { places: vec![Position::ORIGIN; 2], heard_at: line };
+        let joined = opinions.place(&own, &told, &learnt).unwrap().covariance.unwrap();
+        let spread = Matrix2::from_fn(|row, column| joined[row][column]);
+        let deviation_m = |of: Vector2<f64>| of.dot(&(spread * of)).sqrt();
+        assert!(deviation_m(across) > 2.0 * deviation_m(direction), "{spread}");
     }
 
     #[test]
