@@ -150,7 +150,7 @@ pub use service::ideal::{IdealReception, SectorPair, SectorPowers};
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
 pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
-pub use service::packets::{NetworkRecord, Packets};
+pub use service::packets::{LeftPacket, NetworkRecord, Packets};
 pub use service::radio_error::RadioError;
 pub use service::radio_event::{RadioEvent, ReceivedFrame};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};

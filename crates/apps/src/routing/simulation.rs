@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
-use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
+use sextant_sim::{Applications, FrameId, LeftOut, LeftPacket, ReadySimulation, Setup, Simulation, TrafficPlan};
 
 use super::record::{Context, RoutingRecord};
 use super::router::Router;
@@ -11,6 +11,12 @@ use super::rpl::RplStation;
 use super::settings::{Plan, Routing, roots};
 use super::source::Source;
 use super::way::Way;
+
+/// How often the frame of a station was sent that its link kept.
+fn transmissions(kept: &[LeftPacket], station: StationId, frame: FrameId) -> u32 {
+    let found = kept.iter().find(|left| left.station == station && left.frame == frame);
+    found.map_or(0, |left| left.transmissions)
+}
 
 impl Routing {
     /// The simulation of `setup` with the traffic of its first network, ready to run.
@@ -52,7 +58,12 @@ impl Routing {
             for death in &survey.deaths {
                 context.dead[death.node.index()] = true;
             }
-            let left = own.nodes.into_iter().chain(own.sinks).map(Router::into_record).collect();
+            let kept = survey.networks.first().map_or(&[][..], |network| &network.left);
+            let left = (own.nodes.into_iter().chain(own.sinks).enumerate())
+                .map(|(number, router)| {
+                    router.into_record(|frame| transmissions(kept, StationId::from_index(number), frame))
+                })
+                .collect();
             RoutingRecord::of(left, &links, &context)
         }))
     }

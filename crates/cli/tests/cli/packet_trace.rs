@@ -401,6 +401,12 @@ fn delays_over_several_hops_are_those_of_the_trace() {
     let nodes = nodes_of(&both.summary);
     assert_delays(&end_to_end(&both, |origin| origin < nodes), &both.summary["routing"]);
     assert_delays(&end_to_end(&both, |origin| origin >= nodes), &both.summary["routing"]["answers"]);
+    // Some packets meet their target on the way up.
+    let to_nodes = Traced::of(
+        &scenario("routing/requests-and-answers.toml"),
+        &["routing.to=\"nodes\"", "duration_s=1200", "warm_up_s=300"],
+    );
+    assert_delays(&end_to_end(&to_nodes, |_| true), &to_nodes.summary["routing"]);
     let slots = Traced::of(&scenario("batteries/slots-tree.toml"), &["duration_s=2400"]);
     assert_delays(&end_to_end(&slots, |_| true), &slots.summary["routing"]);
 }

@@ -25,13 +25,17 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
     let nodes = &scenario.world().nodes;
     let warm_up = scenario.warm_up();
     let duration_s = survey.end.saturating_since(SimTime::ZERO + warm_up).as_secs_f64();
-    let of_nodes = |members: &[NodeId]| {
-        let index = || members.iter().map(|node| node.index());
+    let of_stations = |stations: &[usize]| {
+        let index = || stations.iter().copied();
         let delays = delays(record, index());
         let mut energy = EnergySpent::default();
-        index().for_each(|node| energy += record.energy[node]);
-        let packets: Packets = index().map(|node| record.packets[node]).sum();
+        index().for_each(|station| energy += record.energy[station]);
+        let packets: Packets = index().map(|station| record.packets[station]).sum();
         summary(packets, energy, &delays, duration_s)
+    };
+    let of_nodes = |members: &[NodeId]| {
+        let stations: Vec<usize> = members.iter().map(|node| node.index()).collect();
+        of_stations(&stations)
     };
     let members: Vec<_> = (0..nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node)).collect();
     let groups = network
@@ -43,7 +47,11 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         .map(|&node| NamedTraffic { name: nodes[node.index()].name.clone(), traffic: of_nodes(&[node]) });
     let collectors = (scenario.robots_of_survey().map(|robot| &robot.name))
         .chain(scenario.config().sinks.iter().map(|sink| &sink.name));
-    let sinks = collectors.zip(&record.deliveries[nodes.len()..]);
+    let sinks = collectors.zip(nodes.len()..record.deliveries.len()).map(|(name, station)| SinkSummary {
+        name: name.clone(),
+        received: record.deliveries[station],
+        sent: (record.packets[station].offered > 0).then(|| of_stations(&[station])),
+    });
     let all_delays = delays(record, 0..nodes.len());
     MacSummary {
         network: network.name.clone(),
@@ -53,7 +61,7 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         sleep: sleep(record, &members, nodes.len() + survey.robots.len(), nodes),
         slots: slots(record, &members, nodes.len() + survey.robots.len()),
         delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
-        sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
+        sinks: sinks.collect(),
         groups: groups.collect(),
         nodes: by_node.collect(),
     }

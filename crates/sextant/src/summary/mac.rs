@@ -238,4 +238,7 @@ pub struct SinkSummary {
     pub name: String,
     /// Frames that it received, each once. With several sinks, several may receive the same broadcast.
     pub received: u64,
+    /// The packets that it sent itself, over one hop each, beacons among them. Absent if it sent none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sent: Option<TrafficSummary>,
 }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::mac::{MacSummary, SleepSummary, SlotSummary, TrafficSummary};
+use super::mac::{MacSummary, NamedTraffic, SleepSummary, SlotSummary, TrafficSummary};
 use crate::columns::{Align, columns};
 
 /// Nodes that are printed one by one.
@@ -19,16 +19,15 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
     for sink in mac.sinks.iter().filter(|_| several_sinks) {
         writeln!(out, "{}: {} frames received", sink.name, sink.received)?;
     }
-    let mut named: Vec<_> = mac.groups.iter().collect();
+    let mut named: Vec<_> = mac.groups.iter().map(named).collect();
     if mac.nodes.len() <= PRINTED_NODES {
-        named.extend(&mac.nodes);
+        named.extend(mac.nodes.iter().map(self::named));
     }
+    named.extend(mac.sinks.iter().filter_map(|sink| Some((&*sink.name, sink.sent.as_ref()?))));
     if !named.is_empty() {
         let header = ["", "offered", "delivered", "PRR", "bit/s", "mean delay", "p99", "retries", "energy"];
         let mut lines = vec![header.map(str::to_owned).to_vec()];
-        for traffic in named {
-            lines.push(line(&traffic.name, &traffic.traffic));
-        }
+        lines.extend(named.into_iter().map(|(name, traffic)| line(name, traffic)));
         let mut align = vec![Align::Right; lines[0].len()];
         align[0] = Align::Left;
         columns(&lines, &align, out)?;
@@ -38,6 +37,10 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "each of the {} nodes: in the summary, `mac.nodes`\n", mac.nodes.len())?;
     }
     Ok(())
+}
+
+fn named(traffic: &NamedTraffic) -> (&str, &TrafficSummary) {
+    (&traffic.name, &traffic.traffic)
 }
 
 pub(super) fn share(share: Option<f64>) -> String {
