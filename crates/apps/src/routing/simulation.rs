@@ -1,9 +1,13 @@
 //! A simulation in which packets go over several hops.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
-use sextant_sim::{Applications, FrameId, LeftOut, LeftPacket, ReadySimulation, Setup, Simulation, TrafficPlan};
+use sextant_sim::{
+    Applications, FrameId, KnownTree, LeftOut, LeftPacket, ReadySimulation, Setup, Simulation, TrafficPlan,
+    TreeTraffic,
+};
 
 use super::record::{Context, RoutingRecord};
 use super::router::Router;
@@ -34,7 +38,8 @@ impl Routing {
         };
         let traffic = std::mem::replace(&mut network.traffic, silent);
         if let Plan::Fixed(tree) = &self.plan {
-            network.technology.know_parents(tree.parents());
+            let traffic = if self.to.is_sink() { TreeTraffic::Up } else { TreeTraffic::UpAndDown };
+            network.technology.know_tree(&KnownTree { parents: tree.parents().to_vec(), traffic });
         }
         let routing = Arc::new(self.clone());
         let roots = roots(&setup);
@@ -66,6 +71,37 @@ impl Routing {
                 .collect();
             RoutingRecord::of(left, &links, &context)
         }))
+    }
+
+    /// The hops that the packets of some nodes take, each from a station to the next one, or to any if that is not known before the
+    /// start.
+    #[must_use]
+    pub fn hops(
+        &self,
+        origins: impl Iterator<Item = StationId>,
+        sinks: &[StationId],
+    ) -> BTreeSet<(StationId, Option<StationId>)> {
+        let mut hops = BTreeSet::new();
+        let goes_down = !self.to.is_sink();
+        for origin in origins {
+            let Plan::Fixed(tree) = &self.plan else {
+                hops.insert((origin, None));
+                hops.extend(sinks.iter().filter(|_| goes_down).map(|&sink| (sink, None)));
+                continue;
+            };
+            let mut at = origin;
+            while let Some(parent) = tree.parent(at) {
+                let is_new = hops.insert((at, Some(parent)));
+                if goes_down {
+                    hops.insert((parent, Some(at)));
+                }
+                if !is_new {
+                    break;
+                }
+                at = parent;
+            }
+        }
+        hops
     }
 
     /// How a station finds the next one.

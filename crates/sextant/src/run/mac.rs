@@ -81,9 +81,10 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
     nodes.iter().for_each(|used| counts += used.counts);
     // A sink that is in another network has no slots in this one.
     let sinks = record.slots[first_sink..].iter().filter(|used| used.is_member && !used.span.is_zero());
+    let joins: Vec<f64> = nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64())).collect();
     Some(SlotSummary {
         counted_nodes: (counted.len() < nodes.len()).then_some(counted.len()),
-        duty_cycle: mean(counted.iter().map(|used| duty_cycle(used))).unwrap_or(0.0),
+        duty_cycle: mean(counted.iter().map(|used| duty_cycle(used))),
         sink_duty_cycle: mean(sinks.map(duty_cycle)),
         idle_listen: counts.of(SlotKind::IdleListen),
         transmit_acknowledged: counts.of(SlotKind::TransmitAcknowledged),
@@ -95,8 +96,9 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         mean_current_a: mean(counted.iter().map(|used| current_a(used)))
             .filter(|_| nodes.iter().all(|used| used.scanned.is_zero())),
         joined: nodes.iter().filter(|used| used.is_member).count(),
+        joined_by_scan: Some(joins.len()).filter(|&count| count > 0),
         lost: nodes.iter().map(|used| used.lost).sum(),
-        join_s: mean(nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+        join_s: mean(joins.into_iter()),
         negotiated: negotiated(&counted),
     })
 }
@@ -113,11 +115,12 @@ fn negotiated(nodes: &[&SlotUse]) -> Option<NegotiatedSummary> {
     if used.is_empty() {
         return None;
     }
-    let mean = |of: fn(&MsfUse) -> f64| mean(used.iter().map(of)).unwrap_or(0.0);
+    // Nodes that died, or lost the network, have no cells at the end.
+    let at_end = nodes.iter().filter(|used| used.is_member).filter_map(|used| used.msf);
     let sum = |of: fn(&MsfUse) -> u64| used.iter().map(of).sum();
     Some(NegotiatedSummary {
-        mean_cells: mean(|used| used.mean_cells),
-        cells: mean(|used| used.cells.into()),
+        mean_cells: mean(used.iter().map(|used| used.mean_cells)).unwrap_or(0.0),
+        cells: mean(at_end.map(|used| used.cells.into())),
         transactions: sum(|used| used.transactions),
         failures: sum(|used| used.failures),
         relocations: sum(|used| used.relocations),
@@ -147,14 +150,14 @@ fn sleep(
     let power = |node: &NodeId| record.energy[node.index()].total_j() / used(node).span.as_secs_f64();
     Some(SleepSummary {
         counted_nodes: (counted.len() < members.len()).then_some(counted.len()),
-        duty_cycle: mean(counted.iter().map(|node| share(node))).unwrap_or(0.0),
-        worst_duty_cycle: worst.map_or(0.0, share),
-        worst_node: worst.map_or(String::new(), |node| nodes[node.index()].name.clone()),
+        duty_cycle: mean(counted.iter().map(|node| share(node))),
+        worst_duty_cycle: worst.map(share),
+        worst_node: worst.map(|node| nodes[node.index()].name.clone()),
         sink_duty_cycle: mean(sinks.map(duty_cycle)),
         checks: members.iter().map(|node| used(node).checks).sum(),
         strobes,
         strobes_per_packet: (sent > 0).then(|| strobes as f64 / sent as f64),
-        mean_power_w: mean(counted.iter().map(|node| power(node))).unwrap_or(0.0),
+        mean_power_w: mean(counted.iter().map(|node| power(node))),
         asleep_j: energy.map(|energy| energy.sleep_j).sum(),
     })
 }

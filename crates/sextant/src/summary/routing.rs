@@ -147,7 +147,7 @@ pub struct DepthSummary {
     /// Those whose battery is empty at the end. Absent without batteries.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depleted: Option<usize>,
-    /// How long they last, from a full battery. Absent without batteries, or if one has no load.
+    /// How long they last, from a full battery. Absent without batteries, or if none has a load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifetime_d: Option<LifetimeSummary>,
 }
