@@ -132,6 +132,7 @@ pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig, RobotHeadings
 pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
 pub use link::programmed::{Acknowledging, Hearing, Programmed, RadioFrame};
+pub use link::settings::{KnownTree, TreeTraffic};
 pub use link::{
     CellFault, FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig,
     Sleeping, Technology, Tsch,
@@ -150,18 +151,18 @@ pub use service::ideal::{IdealReception, SectorPair, SectorPowers};
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
 pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
-pub use service::packets::{NetworkRecord, Packets};
+pub use service::packets::{LeftPacket, NetworkRecord, Packets};
 pub use service::radio_error::RadioError;
 pub use service::radio_event::{RadioEvent, ReceivedFrame};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
-pub use service::rhythm::Rhythm;
+pub use service::rhythm::{CellSpan, Rhythm};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sleep::SleepUse;
 pub use service::slots::SlotUse;
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::{Applications, LeftOut, PacketWay, ReadySimulation, Simulation, Team};
+pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
 pub use snapshot::{Reached, RobotSnapshot, Snapshot};
 pub use station::{
     Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,

@@ -31,7 +31,6 @@ use crate::service::packets::{Packets, TooFar};
 use crate::setup::Setup;
 use crate::station::{Roll, StationKind};
 pub use applications::Applications;
-pub use futile::PacketWay;
 pub use ready::{LeftOut, ReadySimulation};
 use stations::Stations;
 pub use team::Team;

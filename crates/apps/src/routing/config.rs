@@ -69,7 +69,7 @@ pub enum RoutedTo {
     Sink,
     /// To a sink, which answers each with a packet of the same size. It goes down along the parents that packets told.
     SinkAndBack,
-    /// Each to a node that is drawn at random: up to a sink, and down from there.
+    /// Each to a node that is drawn at random: up to a sink, and down from there. A node that is on the way up takes it there.
     Nodes,
 }
 

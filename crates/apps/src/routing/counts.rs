@@ -2,7 +2,8 @@
 
 use sextant_sim::sum_fields;
 
-/// What a station did for the packets of all.
+/// What a station did for the packets of all. Of transmissions, copies and losses, those of packets that count, which were offered
+/// after the warm-up; of all else, what happened after the warm-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Beacons that the MAC took.

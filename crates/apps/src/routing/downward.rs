@@ -18,7 +18,7 @@ impl Router {
         let number = self.record.offered.len() as u16;
         self.record.offered.push(port.now());
         port.tell_origin(number);
-        Data { origin: port.station(), number, hops: 0, cost: None, parent: None, target: None }
+        Data::new(port.station(), number)
     }
 
     /// Another node, at random.
@@ -48,6 +48,7 @@ impl Router {
             self.routes.learn(data.origin, parent);
         }
         match (self.routing.to, data.target) {
+            (RoutedTo::Nodes, Some(_)) if data.is_taken => {}
             (RoutedTo::Nodes, Some(target)) => self.send_down(data, target, octets, port),
             (RoutedTo::Sink | RoutedTo::Nodes, _) => self.arrive(data.origin, data.number, data.hops, port),
             (RoutedTo::SinkAndBack, _) => {
@@ -63,7 +64,7 @@ impl Router {
         let route = self.routes.route(port.station(), target);
         match route.filter(|route| down_octets(route.len() - 1) <= MOST_PAYLOAD_OCTETS) {
             Some(route) => self.pass_on(Outgoing::new(data, Heading::Down(route), octets), port),
-            None => self.count(port, |counts| counts.no_route += 1),
+            None => self.count_for(&data, port, |counts| counts.no_route += 1),
         }
     }
 
@@ -71,13 +72,13 @@ impl Router {
     pub(super) fn take_down(&mut self, down: Down, octets: usize, port: &mut Port<'_>) {
         let Down { origin, number, hops, route } = down;
         let hops = hops.saturating_add(1);
+        let data = Data { hops, ..Data::new(origin, number) };
         match self.seen_down.note(origin, number, hops) {
-            Some(Repeat::Duplicate | Repeat::Loop) => self.count(port, |counts| counts.duplicates += 1),
-            None if route.is_empty() => self.arrive(origin, number, hops, port),
-            None => {
-                let data = Data { origin, number, hops, cost: None, parent: None, target: None };
-                self.pass_on(Outgoing::new(data, Heading::Down(route), octets), port);
+            Some(Repeat::Duplicate | Repeat::Loop) => {
+                self.count_for(&data, port, |counts| counts.duplicates += 1);
             }
+            None if route.is_empty() => self.arrive(origin, number, hops, port),
+            None => self.pass_on(Outgoing::new(data, Heading::Down(route), octets), port),
         }
     }
 }

@@ -97,12 +97,31 @@ pub(super) enum Kind {
     DaoAck,
 }
 
+/// A packet that the MAC has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sent {
+    pub(super) frame: FrameId,
+    pub(super) to: StationId,
+    pub(super) counted: Counted,
+}
+
+/// As what the transmissions of a packet count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// As those of a packet with data.
+    Packet,
+    /// As those of a message of RPL.
+    Message,
+    /// As none: the packet was offered, or the message sent, in the warm-up.
+    Nothing,
+}
+
 /// The packets that wait in a station. One at a time is given to the MAC, and stays first until it is through.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outbox {
     waiting: VecDeque<Outgoing>,
-    /// The frame of the first one that the MAC has, and to whom it goes.
-    under_way: Option<(FrameId, StationId)>,
+    /// The first one, if the MAC has it.
+    under_way: Option<Sent>,
     /// Whether the first one waits before it is given to the MAC again.
     is_pausing: bool,
 }
@@ -146,14 +165,18 @@ impl Outbox {
     }
 
     /// The first packet is with the MAC.
-    pub(super) fn send(&mut self, frame: FrameId, to: StationId) {
-        self.under_way = Some((frame, to));
+    pub(super) fn send(&mut self, sent: Sent) {
+        self.under_way = Some(sent);
     }
 
-    /// The MAC is done with `frame`: to whom it went, if it was the first packet.
-    pub(super) fn ended(&mut self, frame: FrameId) -> Option<StationId> {
-        let (_, to) = self.under_way.take_if(|(under_way, _)| *under_way == frame)?;
-        Some(to)
+    /// The first packet, if the MAC has it.
+    pub(super) fn under_way(&self) -> Option<Sent> {
+        self.under_way
+    }
+
+    /// The MAC is done with `frame`: the first packet, if it was that.
+    pub(super) fn ended(&mut self, frame: FrameId) -> Option<Sent> {
+        self.under_way.take_if(|sent| sent.frame == frame)
     }
 
     /// The first packet is through, or given up.
@@ -192,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_packet_that_waits_for_the_mac_has_no_try_less() {
-        let data = Data { origin: StationId(0), number: 0, hops: 0, cost: None, parent: None, target: None };
+        let data = Data::new(StationId(0), 0);
         let mut outbox = Outbox::default();
         assert!(outbox.add(Outgoing::new(data, Heading::Up, 50), 1));
         for _ in 0..3 {

@@ -6,12 +6,14 @@ use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::routing::fragment::{Fragment, Reassembly};
 use sextant_mac::routing::rpl::LEAST_DATA_OCTETS;
 use sextant_mac::routing::{Beacon, Data, HOP_LIMIT, Packet, Reaction, Repeat, Seen, SourceRoutes};
-use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, SendOutcome, SendReport, Timer};
+use sextant_sim::{
+    Application, Delivery, Destination, FrameId, NetworkId, Payload, Port, SendOutcome, SendReport, Timer,
+};
 
 use super::config::RoutedTo;
 use super::counts::Counts;
 use super::deliveries::Arrival;
-use super::outbox::{Heading, Outbox, Outgoing};
+use super::outbox::{Counted, Heading, Outbox, Outgoing, Sent};
 use super::record::{ParentChange, StationRecord};
 use super::settings::{MAC_OCTETS, Routing};
 use super::source::Source;
@@ -48,7 +50,7 @@ pub(crate) struct Router {
     /// Size of the packet that the MAC has (octets), of which it may be a piece.
     pub(super) octets_of_first: usize,
     /// What happens before it is not counted.
-    counted_from: SimTime,
+    pub(super) counted_from: SimTime,
     pub(super) record: StationRecord,
 }
 
@@ -76,8 +78,11 @@ impl Router {
         }
     }
 
-    /// What the station leaves behind.
-    pub(super) fn into_record(self) -> StationRecord {
+    /// What the station leaves behind; `transmissions` of a frame that its link kept are those so far.
+    pub(super) fn into_record(mut self, transmissions: impl Fn(FrameId) -> u32) -> StationRecord {
+        if let Some(sent) = self.outbox.under_way() {
+            self.count_sent(&sent, transmissions(sent.frame));
+        }
         let packets = self.outbox.iter().filter(|packet| packet.is_data());
         let waiting = packets.map(|packet| (packet.data.origin, packet.data.number)).collect();
         let routes = match &self.way {
@@ -96,6 +101,23 @@ impl Router {
     pub(super) fn count(&mut self, port: &Port<'_>, add: impl FnOnce(&mut Counts)) {
         if port.now() >= self.counted_from {
             add(&mut self.record.counts);
+        }
+    }
+
+    /// Counts something that happens to a packet, if that counts.
+    pub(super) fn count_for(&mut self, packet: &Data, port: &Port<'_>, add: impl FnOnce(&mut Counts)) {
+        if port.is_counted(packet.origin, packet.number) {
+            add(&mut self.record.counts);
+        }
+    }
+
+    /// Counts transmissions of the first packet of the queue.
+    fn count_sent(&mut self, sent: &Sent, transmissions: u32) {
+        let transmissions = u64::from(transmissions);
+        match sent.counted {
+            Counted::Packet => self.record.counts.transmissions += transmissions,
+            Counted::Message => self.record.counts.rpl.transmissions += transmissions,
+            Counted::Nothing => {}
         }
     }
 
@@ -184,14 +206,19 @@ impl Router {
         }
         let hops = data.hops.saturating_add(1);
         match self.seen.note(data.origin, data.number, hops) {
-            Some(Repeat::Duplicate) => return self.count(port, |counts| counts.duplicates += 1),
+            Some(Repeat::Duplicate) => return self.count_for(&data, port, |counts| counts.duplicates += 1),
             Some(Repeat::Loop) if self.way.is_root() => {
-                return self.count(port, |counts| counts.duplicates += 1);
+                return self.count_for(&data, port, |counts| counts.duplicates += 1);
             }
-            Some(Repeat::Loop) => self.count(port, |counts| counts.loops += 1),
+            Some(Repeat::Loop) => self.count_for(&data, port, |counts| counts.loops += 1),
             None => {}
         }
-        let data = Data { hops, ..data };
+        let arrives = data.target == Some(port.station()) && !data.is_taken;
+        if arrives {
+            self.arrive(data.origin, data.number, hops, port);
+        }
+        // The root makes ways down of what packets tell, so one that its target took on the way goes on.
+        let data = Data { hops, is_taken: data.is_taken || arrives, ..data };
         if self.way.is_root() {
             self.take_at_root(data, octets, port);
         } else {
@@ -215,7 +242,7 @@ impl Router {
     /// Sends a packet of others on, unless it has made too many hops.
     pub(super) fn pass_on(&mut self, packet: Outgoing, port: &mut Port<'_>) {
         if packet.data.hops >= HOP_LIMIT {
-            self.count(port, |counts| counts.hop_limit_drops += 1);
+            self.count_for(&packet.data, port, |counts| counts.hop_limit_drops += 1);
         } else {
             self.enqueue(packet, port);
         }
@@ -270,13 +297,9 @@ impl Application for Router {
     }
 
     fn sent(&mut self, _network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
-        let Some(to) = self.outbox.ended(report.frame) else { return self.end_of_frame(report, port) };
-        let is_through = report.outcome == SendOutcome::Acknowledged;
-        let is_data = self.outbox.front().is_some_and(|first| first.is_data());
-        self.count(port, |counts| {
-            let sum = if is_data { &mut counts.transmissions } else { &mut counts.rpl.transmissions };
-            *sum += u64::from(report.transmissions);
-        });
+        let Some(sent) = self.outbox.ended(report.frame) else { return self.end_of_frame(report, port) };
+        let (to, is_through) = (sent.to, report.outcome == SendOutcome::Acknowledged);
+        self.count_sent(&sent, report.transmissions);
         if !is_through {
             self.try_again(port);
         } else if self.has_more_pieces() {

@@ -8,7 +8,7 @@ use sextant_mac::routing::{Data, Down};
 use sextant_sim::{Destination, NetworkId, Payload, Port, SendError};
 
 use super::config::RoutedTo;
-use super::outbox::{Heading, Kind, Outgoing};
+use super::outbox::{Counted, Heading, Kind, Outgoing, Sent};
 use super::router::{RESEND, Router};
 use super::rpl::Next;
 use super::settings::MOST_PAYLOAD_OCTETS;
@@ -23,11 +23,11 @@ const PAUSE_SPREAD_MS: f64 = 15.0;
 impl Router {
     /// Adds a packet to the queue, if there is room.
     pub(super) fn enqueue(&mut self, packet: Outgoing, port: &mut Port<'_>) {
-        let is_data = packet.is_data();
+        let (is_data, data) = (packet.is_data(), packet.data);
         if self.outbox.add(packet, self.routing.queue_packets) {
             self.pump(port);
         } else if is_data {
-            self.count(port, |counts| counts.queue_drops += 1);
+            self.count_for(&data, port, |counts| counts.queue_drops += 1);
         } else {
             self.count(port, |counts| counts.rpl.lost += 1);
         }
@@ -41,12 +41,13 @@ impl Router {
             Next::Later => return,
             Next::Nowhere => {
                 if first.is_data() {
-                    self.count(port, |counts| counts.no_route += 1);
+                    let data = first.data;
+                    self.count_for(&data, port, |counts| counts.no_route += 1);
                 }
                 return self.first_is_done(port);
             }
         };
-        let kind = first.kind();
+        let (kind, data) = (first.kind(), first.data);
         self.write_first(to, port);
         let most = if self.reassembly.is_some() { MOST_PAYLOAD_OCTETS } else { usize::MAX };
         let payload = if self.octets.len() > most {
@@ -61,7 +62,12 @@ impl Router {
         self.octets_of_first = self.octets.len();
         match port.send(NetworkId::default(), Destination::Station(to), Payload::Octets(payload)) {
             Ok(frame) => {
-                self.outbox.send(frame, to);
+                let counted = match kind {
+                    Kind::Packet if port.is_counted(data.origin, data.number) => Counted::Packet,
+                    Kind::Dao | Kind::NoPath | Kind::DaoAck if port.now() >= self.counted_from => Counted::Message,
+                    Kind::Packet | Kind::Dao | Kind::NoPath | Kind::DaoAck => Counted::Nothing,
+                };
+                self.outbox.send(Sent { frame, to, counted });
                 self.count(port, |counts| {
                     counts.fragments += u64::from(is_fragment);
                     counts.rpl.dao += u64::from(matches!(kind, Kind::Dao | Kind::NoPath));
@@ -124,10 +130,10 @@ impl Router {
     }
 
     pub(super) fn give_up(&mut self, port: &mut Port<'_>) {
-        if self.outbox.front().is_some_and(|first| first.is_data()) {
-            self.count(port, |counts| counts.given_up += 1);
-        } else {
-            self.count(port, |counts| counts.rpl.lost += 1);
+        let data = self.outbox.front().filter(|first| first.is_data()).map(|first| first.data);
+        match data {
+            Some(data) => self.count_for(&data, port, |counts| counts.given_up += 1),
+            None => self.count(port, |counts| counts.rpl.lost += 1),
         }
         self.first_is_done(port);
     }

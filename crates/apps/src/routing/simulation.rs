@@ -1,9 +1,13 @@
 //! A simulation in which packets go over several hops.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use sextant_kernel::{NodeId, SettingError, SimTime, StationId};
-use sextant_sim::{Applications, LeftOut, ReadySimulation, Setup, Simulation, TrafficPlan};
+use sextant_sim::{
+    Applications, FrameId, KnownTree, LeftOut, LeftPacket, ReadySimulation, Setup, Simulation, TrafficPlan,
+    TreeTraffic,
+};
 
 use super::record::{Context, RoutingRecord};
 use super::router::Router;
@@ -11,6 +15,12 @@ use super::rpl::RplStation;
 use super::settings::{Plan, Routing, roots};
 use super::source::Source;
 use super::way::Way;
+
+/// How often the frame of a station was sent that its link kept.
+fn transmissions(kept: &[LeftPacket], station: StationId, frame: FrameId) -> u32 {
+    let found = kept.iter().find(|left| left.station == station && left.frame == frame);
+    found.map_or(0, |left| left.transmissions)
+}
 
 impl Routing {
     /// The simulation of `setup` with the traffic of its first network, ready to run.
@@ -28,7 +38,8 @@ impl Routing {
         };
         let traffic = std::mem::replace(&mut network.traffic, silent);
         if let Plan::Fixed(tree) = &self.plan {
-            network.technology.know_parents(tree.parents());
+            let traffic = if self.to.is_sink() { TreeTraffic::Up } else { TreeTraffic::UpAndDown };
+            network.technology.know_tree(&KnownTree { parents: tree.parents().to_vec(), traffic });
         }
         let routing = Arc::new(self.clone());
         let roots = roots(&setup);
@@ -52,9 +63,45 @@ impl Routing {
             for death in &survey.deaths {
                 context.dead[death.node.index()] = true;
             }
-            let left = own.nodes.into_iter().chain(own.sinks).map(Router::into_record).collect();
+            let kept = survey.networks.first().map_or(&[][..], |network| &network.left);
+            let left = (own.nodes.into_iter().chain(own.sinks).enumerate())
+                .map(|(number, router)| {
+                    router.into_record(|frame| transmissions(kept, StationId::from_index(number), frame))
+                })
+                .collect();
             RoutingRecord::of(left, &links, &context)
         }))
+    }
+
+    /// The hops that the packets of some nodes take, each from a station to the next one, or to any if that is not known before the
+    /// start.
+    #[must_use]
+    pub fn hops(
+        &self,
+        origins: impl Iterator<Item = StationId>,
+        sinks: &[StationId],
+    ) -> BTreeSet<(StationId, Option<StationId>)> {
+        let mut hops = BTreeSet::new();
+        let goes_down = !self.to.is_sink();
+        for origin in origins {
+            let Plan::Fixed(tree) = &self.plan else {
+                hops.insert((origin, None));
+                hops.extend(sinks.iter().filter(|_| goes_down).map(|&sink| (sink, None)));
+                continue;
+            };
+            let mut at = origin;
+            while let Some(parent) = tree.parent(at) {
+                let is_new = hops.insert((at, Some(parent)));
+                if goes_down {
+                    hops.insert((parent, Some(at)));
+                }
+                if !is_new {
+                    break;
+                }
+                at = parent;
+            }
+        }
+        hops
     }
 
     /// How a station finds the next one.

@@ -158,7 +158,7 @@ fn write_measures(out: &mut impl Write, measures: &[Measure]) -> io::Result<()> 
     }
     writeln!(
         out,
-        "\n`NAME` is the name of a map or of an application. Where a number does not apply, the summary lacks it."
+        "\n`NAME` is the name of a map, of an application or of one of several networks. Where a number does not apply, the summary lacks it."
     )
 }
 

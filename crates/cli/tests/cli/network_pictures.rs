@@ -86,6 +86,39 @@ fn packets_in_slots_and_among_sleeping_stations_have_hops() {
     }
 }
 
+/// Nodes agree on cells, and give them up: a frame arrives in a cell that its receiver had at that time.
+#[test]
+fn negotiated_cells_have_the_times_in_which_frames_go_in_them() {
+    let some = ["recording.packets=true", "duration_s=1500", "warm_up_s=0", "radio.clock_ppm=0"];
+    let busy = [
+        "mac.tsch.schedule.msf.max_num_cells=20",
+        "mac.tsch.schedule.msf.lim_num_cells_used_high=15",
+        "mac.tsch.schedule.msf.lim_num_cells_used_low=5",
+    ];
+    let run = Recorded::of("tsch/msf-star.toml", &[&some[..], &busy].concat());
+    let (cells, packets) = (run.table("mac_cells"), run.table("mac_packets"));
+    assert!(cells.iter().filter(|cell| !cell["peer"].is_empty()).all(|cell| cell["from_s"] != "0"));
+    assert!(cells.iter().any(|cell| !cell["to_s"].is_empty()), "some are given up");
+    let to: BTreeMap<&str, &str> =
+        packets.iter().map(|packet| (&*packet["packet"], &*packet["destination"])).collect();
+    let seconds = |cell: &BTreeMap<String, String>, key: &str| cell[key].parse::<f64>().ok();
+    let sent = run.table("mac_transmissions");
+    let received: Vec<_> = sent.iter().filter(|sent| sent["outcome"] == "received").collect();
+    assert!(received.len() > 1000, "{}", received.len());
+    for sent in received {
+        let start_s = seconds(sent, "start_s").expect("a time");
+        let slot = (start_s / 0.01) as u64;
+        let hears = |cell: &&BTreeMap<String, String>| {
+            cell["station"] == to[&*sent["packet"]]
+                && cell["options"].contains("receive")
+                && slot % number(cell, "slotframe") == number(cell, "timeslot")
+                && seconds(cell, "from_s").is_some_and(|from_s| from_s <= start_s)
+                && seconds(cell, "to_s").is_none_or(|to_s| start_s < to_s)
+        };
+        assert!(cells.iter().any(|cell| hears(&cell)), "{sent:?}");
+    }
+}
+
 /// Nobody sends, so that each slot of a schedule is one in which nodes listen in vain: counted slot by slot.
 #[test]
 fn the_cells_of_a_recording_are_those_in_which_nodes_listen() {

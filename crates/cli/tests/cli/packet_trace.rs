@@ -1,6 +1,6 @@
 //! The packet trace agrees with the summary, which counts without it, and with the frames on air.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -47,6 +47,14 @@ impl Traced {
         of_network.filter(|packet| packet["counted"] == "1").collect()
     }
 
+    /// Number of attempts of a packet in which it was on air: copies share theirs.
+    fn attempts(&self) -> BTreeMap<&str, u64> {
+        let rows: BTreeSet<_> = self.transmissions.iter().map(|row| (&*row["packet"], &*row["attempt"])).collect();
+        let mut counts = BTreeMap::new();
+        rows.into_iter().for_each(|(packet, _)| *counts.entry(packet).or_default() += 1);
+        counts
+    }
+
     /// Number of rows of `table` of a packet.
     fn of_packet(table: &Table) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
@@ -85,7 +93,7 @@ impl Traced {
         }
         assert_eq!(ends("no_acknowledgement"), count("no_acknowledgement"));
         assert_eq!(ends("channel_access_failure"), count("channel_access_failures"));
-        let (sent, sensed) = (Self::of_packet(&self.transmissions), Self::of_packet(&self.assessments));
+        let (sent, sensed) = (self.attempts(), Self::of_packet(&self.assessments));
         let rows = |of: &BTreeMap<&str, u64>, packet: &BTreeMap<String, String>| {
             of.get(packet["packet"].as_str()).copied().unwrap_or(0)
         };
@@ -190,6 +198,15 @@ fn the_trace_of_full_queues_and_a_warm_up_is_the_summary() {
     assert!(traced.packets.iter().any(|packet| packet["counted"] == "0"));
     assert!(traced.packets.iter().any(|packet| packet["fate"] == "lost_queue"));
     traced.agrees_with(&traced.summary["mac"]);
+}
+
+/// A packet is sent in copies until its receiver wakes: those of one attempt are one transmission.
+#[test]
+fn the_trace_of_copies_that_wake_a_receiver_is_the_summary() {
+    let trace = Traced::of(&scenario("sleep/contenders.toml"), &["duration_s=600", "warm_up_s=60"]);
+    let attempts: u64 = trace.attempts().values().sum();
+    assert!(trace.transmissions.len() as u64 > 2 * attempts, "{attempts}");
+    trace.agrees_with(&trace.summary["mac"]);
 }
 
 /// The answers of the sink are traced, and are none of the nodes' packets.
@@ -401,6 +418,12 @@ fn delays_over_several_hops_are_those_of_the_trace() {
     let nodes = nodes_of(&both.summary);
     assert_delays(&end_to_end(&both, |origin| origin < nodes), &both.summary["routing"]);
     assert_delays(&end_to_end(&both, |origin| origin >= nodes), &both.summary["routing"]["answers"]);
+    // Some packets meet their target on the way up.
+    let to_nodes = Traced::of(
+        &scenario("routing/requests-and-answers.toml"),
+        &["routing.to=\"nodes\"", "duration_s=1200", "warm_up_s=300"],
+    );
+    assert_delays(&end_to_end(&to_nodes, |_| true), &to_nodes.summary["routing"]);
     let slots = Traced::of(&scenario("batteries/slots-tree.toml"), &["duration_s=2400"]);
     assert_delays(&end_to_end(&slots, |_| true), &slots.summary["routing"]);
 }

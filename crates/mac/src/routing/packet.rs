@@ -11,7 +11,7 @@
 //! | 1 or 2 | number of the beacon | origin |
 //! | 2 | | number of the packet at its origin |
 //! | 0 or 2 | | parent of the origin, if the kind has 0x10 |
-//! | 0 or 2 | | the node to which it goes, if the kind has 0x20 |
+//! | 0 or 2 | | the node to which it goes, if the kind has 0x20; it has it already, if the kind has 0x40 too |
 //!
 //! A packet down has the kind 2, hops so far (1), origin (2), its number there (2), the number of stations on its way after the
 //! receiver (1), and these stations (2 each): the last one is where it goes.
@@ -37,6 +37,7 @@ const DOWN: u8 = 2;
 const PULLS: u8 = 0x10;
 const HAS_PARENT: u8 = 0x10;
 const HAS_TARGET: u8 = 0x20;
+const IS_TAKEN: u8 = 0x40;
 
 /// What a station sends to others.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +78,8 @@ pub struct Data {
     pub parent: Option<StationId>,
     /// The node to which it goes; `None` if it goes to the root.
     pub target: Option<StationId>,
+    /// Whether that node was on the way, and took it: it goes on to tell the root of its origin.
+    pub is_taken: bool,
 }
 
 /// The header of a packet that goes down from a root.
@@ -120,12 +123,19 @@ impl Beacon {
 }
 
 impl Data {
+    /// That of a packet at its origin, to the root, before anything else is known.
+    #[must_use]
+    pub const fn new(origin: StationId, number: u16) -> Self {
+        Self { origin, number, hops: 0, cost: None, parent: None, target: None, is_taken: false }
+    }
+
     /// Writes the header to `octets`, in place of what is there, and fills up to `size` octets.
     pub fn write(&self, size: usize, octets: &mut Vec<u8>) {
         octets.clear();
         let parent = if self.parent.is_some() { HAS_PARENT } else { 0 };
         let target = if self.target.is_some() { HAS_TARGET } else { 0 };
-        octets.extend([MAGIC, DATA | parent | target, self.hops]);
+        let taken = if self.is_taken { IS_TAKEN } else { 0 };
+        octets.extend([MAGIC, DATA | parent | target | taken, self.hops]);
         octets.extend(tenths(self.cost));
         octets.extend(short(Some(self.origin)));
         octets.extend(self.number.to_le_bytes());
@@ -174,7 +184,8 @@ impl Packet {
                 let number = u16::from_le_bytes(take(&mut rest)?);
                 let parent = if kind & HAS_PARENT != 0 { Some(station(&mut rest)??) } else { None };
                 let target = if kind & HAS_TARGET != 0 { Some(station(&mut rest)??) } else { None };
-                Some(Self::Data(Data { origin, number, hops, cost, parent, target }))
+                let is_taken = kind & IS_TAKEN != 0;
+                Some(Self::Data(Data { origin, number, hops, cost, parent, target, is_taken }))
             }
             DOWN => {
                 let [hops] = take(&mut rest)?;
@@ -221,8 +232,7 @@ mod tests {
         assert_eq!(octets, [0x3F, 0x10, 0x02, 0x01, 23, 0, 7]);
         assert_eq!(octets.len(), usize::from(BEACON_OCTETS));
         assert_eq!(Packet::read(&octets), Some(Packet::Beacon(beacon)));
-        let data =
-            Data { origin: StationId(5), number: 0x1234, hops: 3, cost: Some(1.0), parent: None, target: None };
+        let data = Data { number: 0x1234, hops: 3, cost: Some(1.0), ..Data::new(StationId(5), 0) };
         data.write(12, &mut octets);
         assert_eq!(octets, [0x3F, 0x01, 3, 10, 0, 5, 0, 0x34, 0x12, 0, 0, 0]);
         assert_eq!(Packet::read(&octets), Some(Packet::Data(data)));
@@ -234,6 +244,10 @@ mod tests {
         told.write(0, &mut octets);
         assert_eq!(octets, [0x3F, 0x31, 3, 10, 0, 5, 0, 0x34, 0x12, 7, 0, 8, 9]);
         assert_eq!(Packet::read(&octets), Some(Packet::Data(told)));
+        let taken = Data { is_taken: true, ..told };
+        taken.write(0, &mut octets);
+        assert_eq!(octets[1], 0x71);
+        assert_eq!(Packet::read(&octets), Some(Packet::Data(taken)));
         let down = Down { origin: StationId(5), number: 2, hops: 1, route: vec![StationId(6), StationId(7)] };
         down.write(0, &mut octets);
         assert_eq!(octets, [0x3F, 2, 1, 5, 0, 2, 0, 2, 6, 0, 7, 0]);
@@ -244,7 +258,7 @@ mod tests {
 
     #[test]
     fn other_octets_are_no_packet() {
-        let data = Data { origin: StationId(5), number: 1, hops: 0, cost: Some(1.0), parent: None, target: None };
+        let data = Data { cost: Some(1.0), ..Data::new(StationId(5), 1) };
         let mut octets = Vec::new();
         data.write(0, &mut octets);
         for end in 0..octets.len() {

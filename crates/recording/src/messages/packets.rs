@@ -44,7 +44,7 @@ pub struct PacketMessage {
     /// Number of assessments of the channel.
     #[prost(uint32, tag = "12")]
     pub assessments: u32,
-    /// Number of transmissions.
+    /// Number of transmissions: copies in one attempt are one.
     #[prost(uint32, tag = "13")]
     pub transmissions: u32,
     /// How the link ended its work: `sent`, `acknowledged`, `no_acknowledgement`, `channel_access_failure`, `queue_full`,
@@ -75,7 +75,7 @@ pub struct TransmissionMessage {
     /// Identity of the packet.
     #[prost(uint64, tag = "1")]
     pub packet: u64,
-    /// Number among the transmissions of the packet, from 0.
+    /// Number of the attempt, from 0: copies of a frame in one attempt share it.
     #[prost(uint32, tag = "2")]
     pub attempt: u32,
     /// First symbol on air (ns of simulated time).

@@ -14,7 +14,7 @@ pub struct CellMessage {
     /// Name of the network; empty if there is one network without a name.
     #[prost(string, tag = "2")]
     pub network: String,
-    /// When the station first followed the schedule (ns of simulated time).
+    /// Since when the station followed a schedule with the cell (ns of simulated time).
     #[prost(uint64, tag = "3")]
     pub from_ns: u64,
     /// Length of a slot (ns). Slot 0 begins at time 0.
@@ -41,6 +41,9 @@ pub struct CellMessage {
     /// Whether it is for enhanced beacons and nothing else.
     #[prost(bool, tag = "11")]
     pub beacons: bool,
+    /// Until when it did (ns of simulated time); absent if it did at the end.
+    #[prost(uint64, optional, tag = "12")]
+    pub to_ns: Option<u64>,
 }
 
 /// The checks of the channel of a station that sleeps.
@@ -68,7 +71,7 @@ recorded! {
     CellMessage = "Cell": [
         "station" = 1 Uint32, "network" = 2 String, "from_ns" = 3 Uint64, "slot_ns" = 4 Uint64, "handle" = 5 Uint32,
         "slotframe" = 6 Uint32, "timeslot" = 7 Uint32, "channel_offset" = 8 Uint32, "options" = 9 String,
-        "peer" = 10 OptionalUint32, "beacons" = 11 Bool,
+        "peer" = 10 OptionalUint32, "beacons" = 11 Bool, "to_ns" = 12 OptionalUint64,
     ];
     CheckMessage = "Check": [
         "station" = 1 Uint32, "network" = 2 String, "first_ns" = 3 Uint64, "interval_ns" = 4 Uint64,

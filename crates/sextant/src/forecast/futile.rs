@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use sextant_apps::routing::Routing;
 use sextant_kernel::text::counted;
-use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{CellFault, PacketWay, Technology};
+use sextant_kernel::{NodeId, SimTime, StationId};
+use sextant_sim::{CellFault, Technology};
 
 use super::network::Reach;
 use super::warning::Warnings;
@@ -16,11 +17,11 @@ impl Warnings<'_> {
         if !links.lists_cells() {
             return;
         }
-        let way = match self.scenario.routing() {
-            Some(_) => PacketWay::OverHops,
-            None => PacketWay::Direct,
-        };
-        let faults = self.setup.cell_faults(reach.id, way);
+        let table = format!("{}mac.tsch.schedule.own", reach.table());
+        if let Some(routing) = self.scenario.routing() {
+            return self.futile_hops(reach, routing, &table);
+        }
+        let faults = self.setup.cell_faults(reach.id);
         for (fault, what) in [
             (CellFault::NoCell, "no cell in which its packets may go: they wait for ever; list one with `transmit`"),
             (
@@ -32,8 +33,51 @@ impl Warnings<'_> {
             let nodes: Vec<NodeId> =
                 faults.iter().filter(|(_, found)| *found == fault).map(|(node, _)| *node).collect();
             if let Some(nodes) = self.first_of(&nodes) {
-                self.warn(format!("{}mac.tsch.schedule.own", reach.table()), format!("{nodes} has {what}"));
+                self.warn(table.clone(), format!("{nodes} has {what}"));
             }
+        }
+    }
+
+    /// The same of the hops that packets take, up to a sink and down from there.
+    fn futile_hops(&mut self, reach: &Reach<'_>, routing: &Routing, table: &str) {
+        let nodes = self.setup.world.nodes.len();
+        let sinks: Vec<StationId> = (0..self.setup.sinks.len()).map(|i| StationId::from_index(nodes + i)).collect();
+        let has_traffic = |node: &StationId| {
+            let traffic = reach.network.traffic.of(NodeId(node.0));
+            traffic.is_some_and(|traffic| !traffic.is_silent())
+        };
+        let origins = (0..nodes).map(StationId::from_index).filter(has_traffic);
+        let faults = self.setup.hop_faults(reach.id, routing.hops(origins, &sinks).into_iter());
+        for fault in [CellFault::NoCell, CellFault::Unheard] {
+            let mut hops = faults.iter().filter(|(_, found)| *found == fault).map(|(hop, _)| *hop);
+            let Some((from, to)) = hops.next() else { continue };
+            let to = to.map_or_else(String::new, |to| format!(" to `{}`", self.name_of(to)));
+            let more = match hops.count() {
+                0 => String::new(),
+                more => format!(" (and the same of {})", counted(more, "further hop")),
+            };
+            let from = self.name_of(from);
+            let what = match fault {
+                CellFault::NoCell => format!("`{from}` has no cell for packets{to}"),
+                CellFault::Unheard => {
+                    format!("nobody who should listens in the cells of `{from}` for packets{to}")
+                }
+            };
+            self.warn(
+                table,
+                format!(
+                    "{what}{more}: none arrives; list a cell with `transmit` there, and one with `receive` at the next \
+                     station, in the same timeslot and with the same channel offset"
+                ),
+            );
+        }
+    }
+
+    fn name_of(&self, station: StationId) -> &str {
+        let nodes = &self.setup.world.nodes;
+        match nodes.get(station.index()) {
+            Some(node) => &node.name,
+            None => &self.setup.sinks[station.index() - nodes.len()].name,
         }
     }
 

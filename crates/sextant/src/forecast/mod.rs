@@ -8,6 +8,7 @@ mod changes;
 mod cost;
 mod curve;
 mod futile;
+mod idle_keys;
 mod idle_obstacles;
 mod interval;
 mod network;

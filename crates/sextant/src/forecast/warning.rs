@@ -60,6 +60,8 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.late_packets(reach));
     warnings.chips();
     warnings.route_tables();
+    warnings.idle_keys_of_rpl();
+    warnings.late_deaths();
     reaches.iter().for_each(|reach| warnings.tries_of_rpl(reach));
     warnings.short_stops(&reaches);
     planned.iter().for_each(|way| warnings.way(way));

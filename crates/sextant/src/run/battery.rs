@@ -55,13 +55,48 @@ fn lifetime_d(record: &BatteryRecord) -> Option<f64> {
     Some(record.lifetime_s / SECONDS_OF_A_DAY).filter(|days| days.is_finite())
 }
 
-/// The lifetimes of some nodes; `None` if there are none, or one has no end.
+/// The lifetimes of some nodes, of which some may have no end; `None` if all of them have none.
 pub(super) fn lifetimes<'a>(records: impl IntoIterator<Item = &'a BatteryRecord>) -> Option<LifetimeSummary> {
+    let days = |d: f64| Some(d).filter(|d| d.is_finite());
     let mut sorted_d: Vec<f64> = records.into_iter().map(|record| record.lifetime_s / SECONDS_OF_A_DAY).collect();
     sorted_d.sort_by(f64::total_cmp);
     let (&min, &max) = (sorted_d.first()?, sorted_d.last()?);
     let middle = sorted_d.len() / 2;
     let median =
         if sorted_d.len() % 2 == 1 { sorted_d[middle] } else { 0.5 * (sorted_d[middle - 1] + sorted_d[middle]) };
-    max.is_finite().then_some(LifetimeSummary { min, median, max })
+    let endless = sorted_d.iter().filter(|d| !d.is_finite()).count();
+    Some(LifetimeSummary {
+        min: days(min)?,
+        median: days(median),
+        max: days(max),
+        endless: Some(endless).filter(|&count| count > 0),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn nodes_without_a_load_last_longer_than_all_others() {
+        let found = |days: &[f64]| {
+            let record = |days: &f64| BatteryRecord {
+                capacity_j: 1.0,
+                left_j: 1.0,
+                used_j: 0.0,
+                used_for: Duration::ZERO,
+                depleted: None,
+                lifetime_s: days * SECONDS_OF_A_DAY,
+            };
+            let records: Vec<BatteryRecord> = days.iter().map(record).collect();
+            lifetimes(&records).map(|found| (found.min, found.median, found.max, found.endless))
+        };
+        let never = f64::INFINITY;
+        assert_eq!(found(&[3.0, 1.0, 2.0]), Some((1.0, Some(2.0), Some(3.0), None)));
+        assert_eq!(found(&[never, 1.0, 2.0]), Some((1.0, Some(2.0), None, Some(1))));
+        assert_eq!(found(&[never, 1.0]), Some((1.0, None, None, Some(1))));
+        assert_eq!(found(&[never]), None);
+    }
 }

@@ -25,13 +25,17 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
     let nodes = &scenario.world().nodes;
     let warm_up = scenario.warm_up();
     let duration_s = survey.end.saturating_since(SimTime::ZERO + warm_up).as_secs_f64();
-    let of_nodes = |members: &[NodeId]| {
-        let index = || members.iter().map(|node| node.index());
+    let of_stations = |stations: &[usize]| {
+        let index = || stations.iter().copied();
         let delays = delays(record, index());
         let mut energy = EnergySpent::default();
-        index().for_each(|node| energy += record.energy[node]);
-        let packets: Packets = index().map(|node| record.packets[node]).sum();
+        index().for_each(|station| energy += record.energy[station]);
+        let packets: Packets = index().map(|station| record.packets[station]).sum();
         summary(packets, energy, &delays, duration_s)
+    };
+    let of_nodes = |members: &[NodeId]| {
+        let stations: Vec<usize> = members.iter().map(|node| node.index()).collect();
+        of_stations(&stations)
     };
     let members: Vec<_> = (0..nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node)).collect();
     let groups = network
@@ -43,7 +47,11 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         .map(|&node| NamedTraffic { name: nodes[node.index()].name.clone(), traffic: of_nodes(&[node]) });
     let collectors = (scenario.robots_of_survey().map(|robot| &robot.name))
         .chain(scenario.config().sinks.iter().map(|sink| &sink.name));
-    let sinks = collectors.zip(&record.deliveries[nodes.len()..]);
+    let sinks = collectors.zip(nodes.len()..record.deliveries.len()).map(|(name, station)| SinkSummary {
+        name: name.clone(),
+        received: record.deliveries[station],
+        sent: (record.packets[station].offered > 0).then(|| of_stations(&[station])),
+    });
     let all_delays = delays(record, 0..nodes.len());
     MacSummary {
         network: network.name.clone(),
@@ -53,7 +61,7 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &
         sleep: sleep(record, &members, nodes.len() + survey.robots.len(), nodes),
         slots: slots(record, &members, nodes.len() + survey.robots.len()),
         delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
-        sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
+        sinks: sinks.collect(),
         groups: groups.collect(),
         nodes: by_node.collect(),
     }
@@ -73,9 +81,10 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
     nodes.iter().for_each(|used| counts += used.counts);
     // A sink that is in another network has no slots in this one.
     let sinks = record.slots[first_sink..].iter().filter(|used| used.is_member && !used.span.is_zero());
+    let joins: Vec<f64> = nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64())).collect();
     Some(SlotSummary {
         counted_nodes: (counted.len() < nodes.len()).then_some(counted.len()),
-        duty_cycle: mean(counted.iter().map(|used| duty_cycle(used))).unwrap_or(0.0),
+        duty_cycle: mean(counted.iter().map(|used| duty_cycle(used))),
         sink_duty_cycle: mean(sinks.map(duty_cycle)),
         idle_listen: counts.of(SlotKind::IdleListen),
         transmit_acknowledged: counts.of(SlotKind::TransmitAcknowledged),
@@ -87,8 +96,9 @@ fn slots(record: &NetworkRecord, members: &[NodeId], first_sink: usize) -> Optio
         mean_current_a: mean(counted.iter().map(|used| current_a(used)))
             .filter(|_| nodes.iter().all(|used| used.scanned.is_zero())),
         joined: nodes.iter().filter(|used| used.is_member).count(),
+        joined_by_scan: Some(joins.len()).filter(|&count| count > 0),
         lost: nodes.iter().map(|used| used.lost).sum(),
-        join_s: mean(nodes.iter().filter_map(|used| Some(used.joined_after?.as_secs_f64()))),
+        join_s: mean(joins.into_iter()),
         negotiated: negotiated(&counted),
     })
 }
@@ -105,11 +115,12 @@ fn negotiated(nodes: &[&SlotUse]) -> Option<NegotiatedSummary> {
     if used.is_empty() {
         return None;
     }
-    let mean = |of: fn(&MsfUse) -> f64| mean(used.iter().map(of)).unwrap_or(0.0);
+    // Nodes that died, or lost the network, have no cells at the end.
+    let at_end = nodes.iter().filter(|used| used.is_member).filter_map(|used| used.msf);
     let sum = |of: fn(&MsfUse) -> u64| used.iter().map(of).sum();
     Some(NegotiatedSummary {
-        mean_cells: mean(|used| used.mean_cells),
-        cells: mean(|used| used.cells.into()),
+        mean_cells: mean(used.iter().map(|used| used.mean_cells)).unwrap_or(0.0),
+        cells: mean(at_end.map(|used| used.cells.into())),
         transactions: sum(|used| used.transactions),
         failures: sum(|used| used.failures),
         relocations: sum(|used| used.relocations),
@@ -139,14 +150,14 @@ fn sleep(
     let power = |node: &NodeId| record.energy[node.index()].total_j() / used(node).span.as_secs_f64();
     Some(SleepSummary {
         counted_nodes: (counted.len() < members.len()).then_some(counted.len()),
-        duty_cycle: mean(counted.iter().map(|node| share(node))).unwrap_or(0.0),
-        worst_duty_cycle: worst.map_or(0.0, share),
-        worst_node: worst.map_or(String::new(), |node| nodes[node.index()].name.clone()),
+        duty_cycle: mean(counted.iter().map(|node| share(node))),
+        worst_duty_cycle: worst.map(share),
+        worst_node: worst.map(|node| nodes[node.index()].name.clone()),
         sink_duty_cycle: mean(sinks.map(duty_cycle)),
         checks: members.iter().map(|node| used(node).checks).sum(),
         strobes,
         strobes_per_packet: (sent > 0).then(|| strobes as f64 / sent as f64),
-        mean_power_w: mean(counted.iter().map(|node| power(node))).unwrap_or(0.0),
+        mean_power_w: mean(counted.iter().map(|node| power(node))),
         asleep_j: energy.map(|energy| energy.sleep_j).sum(),
     })
 }

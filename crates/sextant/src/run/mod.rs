@@ -8,6 +8,7 @@ mod distributed;
 mod ending;
 mod error;
 mod evaluation;
+mod healing;
 mod mac;
 mod mapped_node;
 mod message_energy;

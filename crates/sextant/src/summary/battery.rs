@@ -10,7 +10,7 @@ use crate::columns::{Align, columns};
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BatterySummary {
     /// How long nodes last, from a full battery: extrapolated from the mean power since the warm-up, or measured for nodes that
-    /// died in the run. Absent if a node has no load.
+    /// died in the run. Absent if no node has a load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifetime_d: Option<LifetimeSummary>,
     /// Nodes whose battery is empty at the end.
@@ -30,10 +30,15 @@ pub struct BatterySummary {
 pub struct LifetimeSummary {
     /// Of the node that lasts shortest: until the first one is empty (d).
     pub min: f64,
-    /// Median over the nodes (d).
-    pub median: f64,
-    /// Of the node that lasts longest (d).
-    pub max: f64,
+    /// Median over the nodes (d). Absent if half of them have no load: it is longer than any number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub median: Option<f64>,
+    /// Of the node that lasts longest (d). Absent if one has no load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// Nodes without a load, which last for ever. Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub endless: Option<usize>,
 }
 
 /// The battery of a node.
@@ -71,7 +76,10 @@ pub(super) fn write(battery: &BatterySummary, out: &mut impl Write) -> io::Resul
             _ => "d, extrapolated for nodes that live",
         };
         row("battery lifetime, first", days(lifetime.min), note);
-        row("battery lifetime, median", days(lifetime.median), note);
+        row("battery lifetime, median", lifetime.median.map_or_else(|| "-".to_owned(), days), note);
+        if let Some(endless) = lifetime.endless {
+            row("without a load", endless.to_string(), "nodes that last for ever");
+        }
     }
     row("batteries empty", battery.depleted.to_string(), &format!("of {}", battery.nodes.len()));
     if let Some(first_s) = battery.first_death_s {

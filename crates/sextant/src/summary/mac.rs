@@ -46,8 +46,9 @@ pub struct SlotSummary {
     /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counted_nodes: Option<usize>,
-    /// Share of the time in which the radio of a node sent or listened, on average.
-    pub duty_cycle: f64,
+    /// Share of the time in which the radio of a node sent or listened, on average. Absent if no node lived after the warm-up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duty_cycle: Option<f64>,
     /// The same of a sink. Absent without sinks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sink_duty_cycle: Option<f64>,
@@ -69,6 +70,9 @@ pub struct SlotSummary {
     pub mean_current_a: Option<f64>,
     /// Nodes that are in the network at the end.
     pub joined: usize,
+    /// Nodes that joined by a scan, of those that all scanned at the start: `join_s` is of these. Absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joined_by_scan: Option<usize>,
     /// How often nodes lost the network, because their clocks were not corrected for too long.
     pub lost: u64,
     /// Mean time from the start until a node joined (s), of those that scanned and joined. Absent if none did.
@@ -82,10 +86,11 @@ pub struct SlotSummary {
 /// How nodes agreed on cells in which they send.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct NegotiatedSummary {
-    /// Mean number of these cells of a node.
+    /// Mean number of these cells of a node, as long as it lived.
     pub mean_cells: f64,
-    /// The same at the end.
-    pub cells: f64,
+    /// The same at the end, of nodes that are in the network then. Absent if none is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<f64>,
     /// Transactions of the 6top protocol that nodes began.
     pub transactions: u64,
     /// Those of them that failed: no response came, or one that says no.
@@ -100,12 +105,16 @@ pub struct SleepSummary {
     /// Nodes over which means are taken: without those that died before the end of the warm-up. Absent if it is all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counted_nodes: Option<usize>,
-    /// Share of the time in which the radio of a node was on: it sent, received or turned around. On average.
-    pub duty_cycle: f64,
+    /// Share of the time in which the radio of a node was on: it sent, received or turned around. On average. This and what
+    /// follows on one node are absent if no node lived after the warm-up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duty_cycle: Option<f64>,
     /// The same of the node with the largest share.
-    pub worst_duty_cycle: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_duty_cycle: Option<f64>,
     /// The name of that node.
-    pub worst_node: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_node: Option<String>,
     /// The same of a sink, on average. Absent without sinks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sink_duty_cycle: Option<f64>,
@@ -117,7 +126,8 @@ pub struct SleepSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strobes_per_packet: Option<f64>,
     /// Mean power of a node (W), all states together.
-    pub mean_power_w: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_power_w: Option<f64>,
     /// Energy of all nodes asleep (J): a part of `energy_j.idle`.
     pub asleep_j: f64,
 }
@@ -238,4 +248,7 @@ pub struct SinkSummary {
     pub name: String,
     /// Frames that it received, each once. With several sinks, several may receive the same broadcast.
     pub received: u64,
+    /// The packets that it sent itself, over one hop each, beacons among them. Absent if it sent none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sent: Option<TrafficSummary>,
 }

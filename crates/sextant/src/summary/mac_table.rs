@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::mac::{MacSummary, SleepSummary, SlotSummary, TrafficSummary};
+use super::mac::{MacSummary, NamedTraffic, SleepSummary, SlotSummary, TrafficSummary};
 use crate::columns::{Align, columns};
 
 /// Nodes that are printed one by one.
@@ -19,16 +19,15 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
     for sink in mac.sinks.iter().filter(|_| several_sinks) {
         writeln!(out, "{}: {} frames received", sink.name, sink.received)?;
     }
-    let mut named: Vec<_> = mac.groups.iter().collect();
+    let mut named: Vec<_> = mac.groups.iter().map(named).collect();
     if mac.nodes.len() <= PRINTED_NODES {
-        named.extend(&mac.nodes);
+        named.extend(mac.nodes.iter().map(self::named));
     }
+    named.extend(mac.sinks.iter().filter_map(|sink| Some((&*sink.name, sink.sent.as_ref()?))));
     if !named.is_empty() {
         let header = ["", "offered", "delivered", "PRR", "bit/s", "mean delay", "p99", "retries", "energy"];
         let mut lines = vec![header.map(str::to_owned).to_vec()];
-        for traffic in named {
-            lines.push(line(&traffic.name, &traffic.traffic));
-        }
+        lines.extend(named.into_iter().map(|(name, traffic)| line(name, traffic)));
         let mut align = vec![Align::Right; lines[0].len()];
         align[0] = Align::Left;
         columns(&lines, &align, out)?;
@@ -38,6 +37,10 @@ pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "each of the {} nodes: in the summary, `mac.nodes`\n", mac.nodes.len())?;
     }
     Ok(())
+}
+
+fn named(traffic: &NamedTraffic) -> (&str, &TrafficSummary) {
+    (&traffic.name, &traffic.traffic)
 }
 
 pub(super) fn share(share: Option<f64>) -> String {
@@ -82,31 +85,33 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
     let died = Some(all.died).filter(|&packets| packets > 0);
     let died = died.map(|packets| ("lost in dead nodes", packets.to_string(), "they waited in their node"));
     let rows = rows.into_iter().chain(died).map(owned);
-    rows.chain(mac.slots.iter().flat_map(slot_rows)).chain(mac.sleep.iter().flat_map(sleep_rows)).collect()
+    rows.chain(mac.slots.iter().flat_map(|slots| slot_rows(slots, mac.nodes.len())))
+        .chain(mac.sleep.iter().flat_map(sleep_rows))
+        .collect()
 }
 
 /// The rows of a network whose stations sleep between checks of the channel.
 fn sleep_rows(sleep: &SleepSummary) -> Vec<Vec<String>> {
-    let percent = |share: f64| format!("{:.3} %", 100.0 * share);
     let row = |name: &str, value: String, note: &str| vec![name.to_owned(), value, note.to_owned()];
-    let mut rows = vec![
-        row("duty cycle", percent(sleep.duty_cycle), &of_a_node(sleep.counted_nodes)),
-        row("duty cycle, worst", percent(sleep.worst_duty_cycle), &format!("of `{}`", sleep.worst_node)),
-    ];
+    let mut rows = vec![row("duty cycle", percent_or_none(sleep.duty_cycle), &of_a_node(sleep.counted_nodes))];
+    if let (Some(share), Some(node)) = (sleep.worst_duty_cycle, &sleep.worst_node) {
+        rows.push(row("duty cycle, worst", percent(share), &format!("of `{node}`")));
+    }
     rows.extend(sleep.sink_duty_cycle.map(|share| row("duty cycle, sinks", percent(share), "")));
     rows.push(row("checks", sleep.checks.to_string(), "of the channel, by all nodes"));
     let strobes = sleep.strobes_per_packet.map_or_else(|| "-".to_owned(), |strobes| format!("{strobes:.1}"));
     rows.push(row("strobes per packet", strobes, "to wake the receiver"));
-    rows.push(row("mean power", format!("{:.1}", 1e6 * sleep.mean_power_w), "uW, of a node"));
+    rows.extend(
+        sleep.mean_power_w.map(|power_w| row("mean power", format!("{:.1}", 1e6 * power_w), "uW, of a node")),
+    );
     rows.push(row("energy asleep", format!("{:.3}", sleep.asleep_j), "J"));
     rows
 }
 
 /// The rows of a network with slots.
-fn slot_rows(slots: &SlotSummary) -> Vec<Vec<String>> {
-    let percent = |share: f64| format!("{:.3} %", 100.0 * share);
+fn slot_rows(slots: &SlotSummary, nodes: usize) -> Vec<Vec<String>> {
     let note = of_a_node(slots.counted_nodes);
-    let mut rows = vec![("duty cycle", percent(slots.duty_cycle), &*note)];
+    let mut rows = vec![("duty cycle", percent_or_none(slots.duty_cycle), &*note)];
     rows.extend(slots.sink_duty_cycle.map(|share| ("duty cycle, sinks", percent(share), "")));
     for (name, count, note) in [
         ("slots, idle listening", slots.idle_listen, "of all nodes"),
@@ -125,13 +130,24 @@ fn slot_rows(slots: &SlotSummary) -> Vec<Vec<String>> {
     rows.push(("nodes in the network", slots.joined.to_string(), "at the end"));
     if let Some(cells) = &slots.negotiated {
         rows.push(("negotiated cells", format!("{:.3}", cells.mean_cells), "of a node, on average"));
-        rows.push(("negotiated cells, end", format!("{:.3}", cells.cells), "of a node, on average"));
+        let at_end = cells.cells.map(|cells| format!("{cells:.3}"));
+        rows.extend(at_end.map(|cells| ("negotiated cells, end", cells, "of a node in the network, on average")));
         rows.push(("6P transactions", cells.transactions.to_string(), "of all nodes"));
         rows.push(("6P failures", cells.failures.to_string(), "transactions without success"));
         rows.push(("relocations", cells.relocations.to_string(), "cells that delivered too little"));
     }
-    rows.extend(slots.join_s.map(|join_s| ("joined after", format!("{join_s:.3}"), "s, on average")));
+    let joined = slots.joined_by_scan.map(|joined| format!("s, on average, of {joined} of {nodes} that scanned"));
+    let join_s = slots.join_s.map(|join_s| format!("{join_s:.3}"));
+    rows.extend(join_s.zip(joined.as_deref()).map(|(join_s, note)| ("joined after", join_s, note)));
     rows.into_iter().map(owned).collect()
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.3} %", 100.0 * share)
+}
+
+fn percent_or_none(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), percent)
 }
 
 /// Of what a mean is, where only some nodes lived after the warm-up.

@@ -39,7 +39,8 @@ pub struct RoutingSummary {
     /// start. Absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stretch: Option<f64>,
-    /// Frames with packets on air on all hops, retries included.
+    /// Frames with packets on air on all hops, retries included. These and what follows, to `no_route`, are of packets that were
+    /// offered after the warm-up.
     pub transmissions: u64,
     /// The same for each packet that arrived. Absent if none did.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -146,7 +147,7 @@ pub struct DepthSummary {
     /// Those whose battery is empty at the end. Absent without batteries.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depleted: Option<usize>,
-    /// How long they last, from a full battery. Absent without batteries, or if one has no load.
+    /// How long they last, from a full battery. Absent without batteries, or if none has a load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lifetime_d: Option<LifetimeSummary>,
 }

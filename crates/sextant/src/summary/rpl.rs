@@ -39,7 +39,7 @@ pub struct RplSummary {
     pub routes_known_s: Option<f64>,
     /// Most ways down that a station keeps at the end.
     pub most_routes: usize,
-    /// Nodes whose parent died and that found another one. Absent if no node with children died.
+    /// Nodes whose parent died, and whether they had a way to a sink again. Absent if no node with children died.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub healing: Option<HealingSummary>,
 }
@@ -49,9 +49,9 @@ pub struct RplSummary {
 pub struct HealingSummary {
     /// Nodes whose parent died.
     pub orphans: u64,
-    /// Those that found another parent.
+    /// Those whose parents led over living nodes to a sink again.
     pub healed: u64,
-    /// Mean time from the death to the other parent (s). Absent if none was found.
+    /// Mean time from the death to that (s). Absent if none had one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_s: Option<f64>,
     /// The longest one (s).
@@ -86,8 +86,8 @@ impl RplSummary {
         ];
         if let Some(healing) = &self.healing {
             let healed = format!("{} of {}", healing.healed, healing.orphans);
-            rows.push(("orphans that found a parent", healed, "nodes whose parent died"));
-            rows.push(("time to another parent", seconds(healing.mean_s), "mean"));
+            rows.push(("orphans with a way again", healed, "nodes whose parent died"));
+            rows.push(("time to a way again", seconds(healing.mean_s), "mean"));
         }
         rows
     }

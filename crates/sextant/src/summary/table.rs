@@ -56,7 +56,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     tracks::write(&summary.tracks, out)?;
     if let Some(routing) = &summary.routing {
         routing_table::write(routing, out)?;
-        writeln!(out, "each hop: beacons, and packets to the next station")?;
+        writeln!(out, "each hop of nodes: beacons, and packets to the next station")?;
     }
     for mac in summary.mac.iter().chain(&summary.other_networks) {
         if summary.gathering.is_some() && mac.network.is_none() {

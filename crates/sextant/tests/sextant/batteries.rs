@@ -161,7 +161,7 @@ fn what_a_sleeping_node_spent_until_its_death_is_its_capacity() {
         assert_close(node.mean_power_w * death_s, node.capacity_j, FRAME_J, form);
         let mac = found.mac.as_ref().expect("sinks");
         let power_w = mac.sleep.as_ref().expect("sleeps").mean_power_w;
-        assert_close(power_w, node.mean_power_w, 1e-3 * node.mean_power_w, form);
+        assert_close(power_w.expect("a node"), node.mean_power_w, 1e-3 * node.mean_power_w, form);
         assert!(mac.all.died <= 1 && mac.all.pending == 0, "{form}");
     }
 }

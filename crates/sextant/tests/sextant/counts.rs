@@ -176,11 +176,16 @@ fn nodes_that_died_in_the_warm_up_are_left_out_of_means() {
         let shares = |mac: &MacSummary| {
             let slots = mac.slots.as_ref().map(|slots| (slots.duty_cycle, slots.counted_nodes));
             let sleep = mac.sleep.as_ref().map(|sleep| (sleep.duty_cycle, sleep.counted_nodes));
-            slots.or(sleep).expect("a duty cycle")
+            let (share, counted) = slots.or(sleep).expect("a duty cycle");
+            (share.expect("a node that counts"), counted)
         };
         let ((alone, all), (share, counted)) = (shares(&alone), shares(&found));
         assert_eq!((all, counted), (None, Some(1)), "{table}");
         assert!((share / alone - 1.0).abs() < 0.05, "{table}: {share}, not {alone}");
+        // Of no node there is no mean.
+        let none = mac(&star(&[1.0], &rest(&dies.replace("n1", "n0"))));
+        let shares = [none.slots.and_then(|slots| slots.duty_cycle), none.sleep.and_then(|sleep| sleep.duty_cycle)];
+        assert_eq!(shares, [None; 2], "{table}");
     }
 }
 

@@ -326,3 +326,32 @@ fn settings_that_do_not_fit_are_refused_with_their_key_and_what_is_allowed() {
         }
     }
 }
+
+#[test]
+fn keys_that_change_nothing_are_a_warning() {
+    let good = shipped("routing/rpl-udp.toml");
+    let messages = |set: &[&str]| {
+        let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+        let warnings = sextant::forecast::warnings(&good.with_all(&set, None).expect("a scenario"));
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    for (set, expected) in [
+        (&["routing.tree.rpl.route_table=7"][..], "`routing.tree.rpl.route_table`: it changes nothing"),
+        (
+            &["routing.to=\"sink\"", "routing.tree.rpl.mode=\"none\"", "routing.tree.rpl.dao_tries=2"],
+            "`routing.tree.rpl.dao_tries`: it changes nothing",
+        ),
+        (
+            &["duration_s=100", "warm_up_s=0", "faults.deaths={share=0.1,from_s=200.0,to_s=300.0}"],
+            "are due after the end of the run, at 100 s",
+        ),
+    ] {
+        let found = messages(set);
+        assert!(found.iter().any(|message| message.contains(expected)), "{set:?}: {found:?}");
+    }
+    let none = messages(&[]);
+    assert!(
+        !none.iter().any(|message| message.contains("changes nothing") || message.contains("faults")),
+        "{none:?}"
+    );
+}

@@ -358,9 +358,20 @@ impl Port<'_> {
         self.model.notes.push(Note::Estimated(self.station, estimate));
     }
 
-    /// Tells the observer that a packet over several hops begins here now, with this number among those of the station.
+    /// Tells the observer that a packet over several hops begins here now, with this number among those of the station. Numbers
+    /// follow each other, and go round.
     pub fn tell_origin(&mut self, number: u16) {
         self.model.notes.push(Note::Originated(self.station, number));
+        if self.now() >= self.counted_from() {
+            self.model.origins.begin(self.station, number);
+        }
+    }
+
+    /// Whether a packet over several hops counts: it began at the station `origin`, with this number, after the warm-up. That is
+    /// for what is counted; a station does not know it.
+    #[must_use]
+    pub fn is_counted(&self, origin: StationId, number: u16) -> bool {
+        self.model.origins.counts(origin, number)
     }
 
     /// The targets that are truly within `reach_m` of the station now, by number: what it can touch.

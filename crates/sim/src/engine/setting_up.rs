@@ -16,6 +16,7 @@ use crate::event::Event;
 use crate::link::antennas::Antennas;
 use crate::link::settings::{Berth, Placement};
 use crate::model::log::Logs;
+use crate::model::origins::Origins;
 use crate::model::ranging::Ranging;
 use crate::model::{Model, Vehicle};
 use crate::network::Network;
@@ -187,6 +188,7 @@ impl<A: Application> Engine<A> {
                 courses,
                 halo: None,
                 batteries,
+                origins: Origins::default(),
                 notes: Vec::new(),
                 has_task,
                 unfinished,

@@ -8,7 +8,7 @@ use sextant_mac::{EnergyMeter, EnergySpent, RadioState, RadioStates};
 
 use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
-use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::packets::{LeftPacket, NetworkRecord, Packets};
 use crate::service::rhythm::Rhythm;
 use crate::service::sleep::SleepUse;
 use crate::service::slots::SlotUse;
@@ -26,6 +26,8 @@ pub(crate) struct Books {
     pub(super) deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received; empty without sinks.
     pub(super) delays: Vec<Delays>,
+    /// The packets that were sent and stayed in links.
+    pub(super) left: Vec<LeftPacket>,
     /// Whether each station is in the network; `None` if all are.
     pub(super) members: Option<Vec<bool>>,
     /// Energy model of the radios.
@@ -121,6 +123,7 @@ impl Books {
         self.octets.iter_mut().zip(other.octets).for_each(|(sum, octets)| *sum += octets);
         self.deliveries.iter_mut().zip(other.deliveries).for_each(|(sum, count)| *sum += count);
         debug_assert_eq!(self.due, other.due, "the same schedules until the same end");
+        self.left.extend(other.left);
         debug_assert!(other.delays.is_empty(), "parts have no sinks");
         debug_assert!(other.slots.is_empty() && other.sleep.is_empty(), "parts have no sinks");
         for (sum, radio) in self.radios.iter_mut().zip(other.radios) {
@@ -149,8 +152,8 @@ impl Books {
             let others = energy.iter_mut().zip(members).filter(|(_, is_member)| !**is_member);
             others.for_each(|(energy, _)| *energy = EnergySpent::default());
         }
-        let Self { packets, deliveries, delays, slots, sleep, rhythms, .. } = self;
-        NetworkRecord { packets, energy, deliveries, delays, slots, sleep, rhythms }
+        let Self { packets, deliveries, delays, slots, sleep, rhythms, left, .. } = self;
+        NetworkRecord { packets, energy, deliveries, delays, slots, sleep, rhythms, left }
     }
 
     /// What the packets that were simulated took on average; if there were none, what they take on a channel that is not

@@ -34,7 +34,7 @@ pub struct RadioConfig {
     pub channel: Option<u8>,
     /// Transmit power (dBm). With a path loss of 0 dB at the reference distance it is the power there.
     pub tx_power_dbm: f64,
-    /// Minimum power of a frame that can be received (dBm).
+    /// A frame with less power is not received (dBm). With thresholds or bit errors in `reception`, one may need more.
     pub sensitivity_dbm: f64,
     /// Mean power over the window of carrier sense at or above which the channel is busy (dBm);
     /// 10 dB above the sensitivity if absent. With sector sweeps: power of a signal, and the sensitivity if absent.
@@ -67,7 +67,7 @@ pub struct RadioGroupConfig {
     /// Transmit power (dBm).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tx_power_dbm: Option<f64>,
-    /// Minimum power of a frame that can be received (dBm). Threshold of carrier sense and noise follow it as they do
+    /// A frame with less power is not received (dBm). Threshold of carrier sense and noise follow it as they do
     /// without groups, unless they are set for all or for the group.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,

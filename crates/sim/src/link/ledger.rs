@@ -10,7 +10,7 @@ use crate::service::delays::Delays;
 use crate::service::due_frames::DueFrames;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packet_trace::{PacketEnd, PacketFate};
-use crate::service::packets::Packets;
+use crate::service::packets::{LeftPacket, Packets};
 use crate::service::report::{Destination, SendError};
 use crate::station::Roll;
 
@@ -37,6 +37,8 @@ pub(crate) struct Ledger {
     pub(super) deliveries: Vec<u64>,
     /// Time from offer to first reception of the packets of each station that were received; empty without sinks.
     pub(super) delays: Vec<Delays>,
+    /// The packets that were sent and stayed in links.
+    pub(super) left: Vec<LeftPacket>,
     /// Packets that were offered before are not counted.
     pub(super) counted_from: SimTime,
     /// Whether each station is in the network; `None` if all are.
@@ -56,6 +58,7 @@ impl Ledger {
             due: vec![DueFrames::default(); roll.len()],
             deliveries: vec![0; roll.len()],
             delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
+            left: Vec::new(),
             counted_from: SimTime::ZERO,
             members: placement.members.clone(),
             died: Vec::new(),
@@ -136,13 +139,14 @@ impl Ledger {
 
     /// The books of the network, with how each radio was used, and what frames take that were not simulated.
     pub(super) fn close(self, radios: Vec<RadioUse>, spans: FrameSpans) -> Books {
-        let Self { packets, octets, due, deliveries, delays, members, radio_states, .. } = self;
+        let Self { packets, octets, due, deliveries, delays, left, members, radio_states, .. } = self;
         Books {
             packets,
             octets,
             due,
             deliveries,
             delays,
+            left,
             members,
             radio_states,
             radios,

@@ -159,8 +159,8 @@ pub(crate) trait LinkSettings {
         None
     }
 
-    /// Along which tree packets go, if that is known before the start: the next station of each.
-    fn know_parents(&mut self, _parents: &[Option<StationId>]) {}
+    /// Along which tree packets go, if that is known before the start.
+    fn know_tree(&mut self, _tree: &KnownTree) {}
 
     /// Resolves what names stations.
     ///
@@ -195,4 +195,22 @@ pub(crate) trait LinkSettings {
     fn greatest_gain(&self) -> Db {
         self.antennas().map_or(Db(0.0), Antennas::greatest_gain)
     }
+}
+
+/// The tree along which packets go, if it is known before the start.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KnownTree {
+    /// The next station of each; `None` if it has none.
+    pub parents: Vec<Option<StationId>>,
+    /// Which ways packets go along it.
+    pub traffic: TreeTraffic,
+}
+
+/// Which ways packets go along a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeTraffic {
+    /// To its roots alone.
+    Up,
+    /// To its roots, and from there to nodes.
+    UpAndDown,
 }

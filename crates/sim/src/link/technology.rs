@@ -15,7 +15,7 @@ use super::ieee80211ad::{self, Ieee80211ad};
 use super::ieee802154::{self, Ieee802154};
 use super::links::{Cut, NetworkLinks};
 use super::programmed::{self, Programmed};
-use super::settings::{LinkSettings, Placement};
+use super::settings::{KnownTree, LinkSettings, Placement};
 use super::sleeping::{self, Sleeping};
 use super::transmitter::Transmitter;
 use super::tsch::{self, Tsch};
@@ -147,9 +147,9 @@ impl Technology {
         if let Self::Sleeping(settings) = self { Some(settings) } else { None }
     }
 
-    /// Along which tree packets go: the next station of each. Called before a simulation is set up.
-    pub fn know_parents(&mut self, parents: &[Option<StationId>]) {
-        self.settings_mut().know_parents(parents);
+    /// Along which tree packets go. Called before a simulation is set up.
+    pub fn know_tree(&mut self, tree: &KnownTree) {
+        self.settings_mut().know_tree(tree);
     }
 
     /// Transmit power, without antennas; but for groups of nodes.

@@ -78,9 +78,33 @@ impl PacketTrack {
         }
     }
 
-    /// A transmission, in the band of `radios`, ends now.
+    /// The only frame of an attempt, or its first copy, ends now, in the band of `radios`.
     pub(super) fn end_transmission<R>(
         &mut self,
+        transmission: &Transmission,
+        fate: Fate,
+        radios: &Radios<R>,
+        scene: &mut Scene,
+    ) {
+        let attempt = self.transmissions.last().map_or(0, |last| last.attempt + 1);
+        self.end_frame(attempt, transmission, fate, radios, scene);
+    }
+
+    /// A further copy in the attempt under way ends now.
+    pub(super) fn end_copy<R>(
+        &mut self,
+        transmission: &Transmission,
+        fate: Fate,
+        radios: &Radios<R>,
+        scene: &mut Scene,
+    ) {
+        let attempt = self.transmissions.last().map_or(0, |last| last.attempt);
+        self.end_frame(attempt, transmission, fate, radios, scene);
+    }
+
+    fn end_frame<R>(
+        &mut self,
+        attempt: u32,
         transmission: &Transmission,
         fate: Fate,
         radios: &Radios<R>,
@@ -98,6 +122,7 @@ impl PacketTrack {
             self.delivered.get_or_insert(scene.now);
         }
         self.transmissions.push(TransmissionTrace {
+            attempt,
             start: transmission.start(),
             airtime: scene.now - transmission.start(),
             outcome,

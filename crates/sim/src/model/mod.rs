@@ -5,6 +5,7 @@ mod driving;
 mod following;
 pub(crate) mod log;
 mod moving;
+pub(crate) mod origins;
 pub(crate) mod ranging;
 mod vehicle;
 
@@ -42,6 +43,8 @@ pub(crate) struct Model {
     pub(crate) halo: Option<Halo>,
     /// The batteries of the nodes, if they have any.
     pub(crate) batteries: Option<Bank>,
+    /// Which packets over several hops count.
+    pub(crate) origins: origins::Origins,
     /// What the observer will see.
     pub(crate) notes: Vec<Note>,
     /// Which stations have a task that they have not finished.

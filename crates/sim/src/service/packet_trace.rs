@@ -139,6 +139,8 @@ pub struct AssessmentTrace {
 /// A transmission of a packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransmissionTrace {
+    /// Number of the attempt, from zero. Copies of a frame in one attempt, which wake a receiver, share it.
+    pub attempt: u32,
     /// First symbol on air.
     pub start: SimTime,
     /// Time on air.
@@ -201,6 +203,12 @@ pub struct PacketTrace {
 }
 
 impl PacketTrace {
+    /// How often it was sent: copies in one attempt are one transmission.
+    #[must_use]
+    pub fn attempts(&self) -> u32 {
+        self.transmissions.last().map_or(0, |last| last.attempt + 1)
+    }
+
     /// Time from its offer to the end of the first transmission that was received.
     #[must_use]
     pub fn delay(&self) -> Option<Duration> {

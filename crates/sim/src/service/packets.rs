@@ -1,10 +1,12 @@
 //! The outcomes of packets.
 
+use sextant_kernel::StationId;
 use sextant_mac::EnergySpent;
 
 use super::delays::Delays;
 use super::outcome::{Deafness, FrameOutcome};
 use super::packet_trace::PacketFate;
+use super::report::FrameId;
 use super::rhythm::Rhythm;
 use super::sleep::SleepUse;
 use super::slots::SlotUse;
@@ -182,6 +184,17 @@ crate::sum_fields!(Packets {
     not_simulated,
 });
 
+/// A packet that was in the link of a station when that died, or at the end: its application was told nothing of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeftPacket {
+    /// The station.
+    pub station: StationId,
+    /// The packet.
+    pub frame: FrameId,
+    /// How often it was sent.
+    pub transmissions: u32,
+}
+
 /// What a network leaves behind, by station: nodes come first, then robots, then sinks.
 #[derive(Clone, Debug, Default)]
 pub struct NetworkRecord {
@@ -200,4 +213,6 @@ pub struct NetworkRecord {
     /// When the radio of each station was on by plan; `None` for those without one. Empty if the network has neither slots nor
     /// checks.
     pub rhythms: Vec<Option<Rhythm>>,
+    /// The packets that were sent and stayed in links. Empty with sector sweeps.
+    pub left: Vec<LeftPacket>,
 }

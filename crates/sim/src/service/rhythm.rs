@@ -10,12 +10,10 @@ use sextant_mac::tsch::Cell;
 pub enum Rhythm {
     /// In the cells of its schedule, in which it listens or may send.
     Cells {
-        /// When it first followed the schedule.
-        from: SimTime,
         /// Length of a slot.
         slot: Duration,
-        /// The cells that it has whatever it sends.
-        cells: Vec<Cell>,
+        /// The cells that it had whatever it sent, each time that it had one.
+        cells: Vec<CellSpan>,
     },
     /// In checks of the channel.
     Checks {
@@ -26,4 +24,15 @@ pub enum Rhythm {
         /// How long one takes if nobody sends.
         length: Duration,
     },
+}
+
+/// A cell that a station had for a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellSpan {
+    /// The cell.
+    pub cell: Cell,
+    /// Since when it followed a schedule with the cell.
+    pub from: SimTime,
+    /// Until when; `None` if it did at the end.
+    pub to: Option<SimTime>,
 }

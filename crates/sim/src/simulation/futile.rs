@@ -10,43 +10,54 @@ use crate::service::network_id::NetworkId;
 use crate::service::report::Destination;
 use crate::setup::Setup;
 
-/// How the packets of nodes go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PacketWay {
-    /// To the sink that they are for, or to all.
-    Direct,
-    /// Over several hops: whoever hears them may send them on.
-    OverHops,
-}
-
 impl Setup {
     /// The nodes with traffic whose packets reach nobody by the cells that a scenario lists for a network with slots, and why.
     ///
     /// # Panics
     /// If there is no such network.
     #[must_use]
-    pub fn cell_faults(&self, id: NetworkId, way: PacketWay) -> Vec<(NodeId, CellFault)> {
-        let mut setup = self.clone();
-        if know(&mut setup).is_err() {
-            return Vec::new();
-        }
+    pub fn cell_faults(&self, id: NetworkId) -> Vec<(NodeId, CellFault)> {
+        let Some(setup) = self.known() else { return Vec::new() };
+        let stations = Stations::of(&setup);
+        let Technology::Tsch(links) = &setup.networks[id.index()].technology else { return Vec::new() };
+        let sinks: Vec<StationId> = stations.collectors(id).map(|(_, sink)| sink).collect();
+        let fault = |(node, traffic): (NodeId, &Traffic)| {
+            let to = stations.destination(id, traffic, node).ok()?;
+            let listeners = match &to {
+                Destination::All => &*sinks,
+                Destination::Station(to) => std::slice::from_ref(to),
+            };
+            Some((node, links.cell_fault(StationId(node.0), Some(to), listeners)?))
+        };
+        setup.with_traffic(id).filter_map(fault).collect()
+    }
+
+    /// Those of some hops, each from a station to another one or to any, over which no packet goes by these cells, and why.
+    ///
+    /// # Panics
+    /// If there is no such network.
+    #[must_use]
+    pub fn hop_faults(
+        &self,
+        id: NetworkId,
+        hops: impl Iterator<Item = (StationId, Option<StationId>)>,
+    ) -> Vec<((StationId, Option<StationId>), CellFault)> {
+        let Some(setup) = self.known() else { return Vec::new() };
         let stations = Stations::of(&setup);
         let Technology::Tsch(links) = &setup.networks[id.index()].technology else { return Vec::new() };
         let all: Vec<StationId> = stations.roll.stations().collect();
-        let sinks: Vec<StationId> = stations.collectors(id).map(|(_, sink)| sink).collect();
-        let fault = |(node, traffic): (NodeId, &Traffic)| {
-            let to = match way {
-                PacketWay::Direct => Some(stations.destination(id, traffic, node).ok()?),
-                PacketWay::OverHops => None,
-            };
-            let listeners = match &to {
-                None => &*all,
-                Some(Destination::All) => &*sinks,
-                Some(Destination::Station(to)) => std::slice::from_ref(to),
-            };
-            Some((node, links.cell_fault(StationId(node.0), to, listeners)?))
+        let fault = |(from, to): (StationId, Option<StationId>)| {
+            let listeners = to.as_ref().map_or(&*all, std::slice::from_ref);
+            Some(((from, to), links.cell_fault(from, to.map(Destination::Station), listeners)?))
         };
-        setup.with_traffic(id).filter_map(fault).collect()
+        hops.filter_map(fault).collect()
+    }
+
+    /// The same setup whose networks know their stations; `None` if some name is not known.
+    fn known(&self) -> Option<Self> {
+        let mut setup = self.clone();
+        know(&mut setup).ok()?;
+        Some(setup)
     }
 
     /// The nodes with traffic whose first packet is due at `end` or later.

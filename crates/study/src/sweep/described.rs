@@ -36,8 +36,8 @@ pub enum ColumnSubject {
     Map,
 }
 
-/// The columns that the table of `plan` may have; without a plan, all that tables may have, where `NAME` is that of an
-/// application. A measure without any value has no column in the file.
+/// The columns that the table of `plan` may have; without a plan, all that tables may have, where `NAME` is that of a network or
+/// an application. A measure without any value has no column in the file.
 #[must_use]
 pub fn described_columns(plan: Option<&Sweep>) -> Vec<DescribedColumn> {
     let row = |name: &str, meaning: &str| DescribedColumn {
@@ -81,7 +81,7 @@ fn of_measure(measure: &Measure) -> DescribedColumn {
         name: measure.column(),
         unit: measure.unit().symbol().to_owned(),
         of: if measure.map().is_some() { ColumnSubject::Map } else { ColumnSubject::Run },
-        meaning: measure.meaning().to_owned(),
+        meaning: measure.meaning(),
     }
 }
 

@@ -80,6 +80,7 @@ fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Re
         settings: scenario.settings_identity(),
         replaced,
         subjects: Subjects {
+            networks: networks(scenario),
             maps: by_nodes.iter().cloned().chain(maps).collect(),
             by_nodes,
             features: features(scenario),
@@ -90,6 +91,16 @@ fn of(scenario: &Scenario, unset: &[&str], replaced: Vec<ReplacedSetting>) -> Re
         text: Sha256::digest(scenario.text()).into(),
         files: scenario.named_files().to_vec(),
     })
+}
+
+/// The names of its networks, if it has several.
+fn networks(scenario: &Scenario) -> Vec<String> {
+    let names = scenario.networks().iter().filter_map(|network| network.name.clone());
+    if has_single_network(scenario) { Vec::new() } else { names.collect() }
+}
+
+fn has_single_network(scenario: &Scenario) -> bool {
+    scenario.networks().len() < 2
 }
 
 /// What its runs have besides maps and applications.
@@ -104,6 +115,7 @@ fn features(scenario: &Scenario) -> BTreeSet<Feature> {
         Feature::Slots => technology.is_some_and(|technology| technology.has_slots()),
         Feature::NegotiatedCells => technology.is_some_and(|technology| technology.has_negotiated_cells()),
         Feature::Batteries => scenario.config().battery.is_some(),
+        Feature::SingleNetwork => has_single_network(scenario),
         Feature::Sleep => technology.is_some_and(|technology| technology.sleeping().is_some()),
     };
     Feature::ALL.into_iter().filter(has).collect()

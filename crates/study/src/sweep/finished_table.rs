@@ -202,6 +202,7 @@ impl FinishedTable {
     #[must_use]
     pub fn is_usual(&self, column: usize) -> bool {
         let Some(name) = self.columns().get(column) else { return false };
+        let name = &self.known(column).map_or_else(|| name.clone(), |measure| measure.column_of_one_network());
         let is_called = |end: &str| name == end || name.strip_suffix(end).is_some_and(|rest| rest.ends_with('.'));
         USUAL.into_iter().any(is_called)
     }

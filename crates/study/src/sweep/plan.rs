@@ -267,6 +267,12 @@ impl Sweep {
         self.work.unit_count()
     }
 
+    /// Names of the networks of cells that have several.
+    #[must_use]
+    pub fn networks(&self) -> &[String] {
+        &self.subjects.networks
+    }
+
     /// Names of the maps that any cell computes.
     #[must_use]
     pub fn maps(&self) -> &[String] {

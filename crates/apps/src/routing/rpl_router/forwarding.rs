@@ -71,15 +71,13 @@ impl Router {
             };
         }
         datagram.hop_limit = datagram.hop_limit.saturating_sub(1);
+        let data = Data { hops, ..Data::new(datagram.source, number.unwrap_or(0)) };
         if datagram.hop_limit == 0 {
             if number.is_some() {
-                self.count(port, |counts| counts.hop_limit_drops += 1);
+                self.count_for(&data, port, |counts| counts.hop_limit_drops += 1);
             }
             return;
         }
-        let origin = datagram.source;
-        let number = number.unwrap_or(0);
-        let data = Data { origin, number, hops, cost: None, parent: None, target: None };
         self.route_datagram(datagram, data, payload_octets, Some(from), port);
     }
 
@@ -113,15 +111,16 @@ impl Router {
     fn is_dropped_as_repeat(&mut self, datagram: &Datagram, number: u16, hops: u8, port: &mut Port<'_>) -> bool {
         let is_up = datagram.option.is_some_and(|option| option.direction == Direction::Up);
         let is_root = self.way.is_root();
+        let data = Data::new(datagram.source, number);
         let seen = if is_up { &mut self.seen } else { &mut self.seen_down };
         match seen.note(datagram.source, number, hops) {
             None => false,
             Some(Repeat::Loop) if is_up && !is_root => {
-                self.count(port, |counts| counts.loops += 1);
+                self.count_for(&data, port, |counts| counts.loops += 1);
                 false
             }
             Some(Repeat::Loop | Repeat::Duplicate) => {
-                self.count(port, |counts| counts.duplicates += 1);
+                self.count_for(&data, port, |counts| counts.duplicates += 1);
                 true
             }
         }
@@ -163,14 +162,14 @@ impl Router {
             };
             if !has_way {
                 if is_data {
-                    self.count(port, |counts| counts.no_route += 1);
+                    self.count_for(&data, port, |counts| counts.no_route += 1);
                 }
                 return;
             }
         }
         let room = self.routing.fragments.map_or(MOST_PAYLOAD_OCTETS, |_| usize::from(u16::MAX));
         if is_data && datagram.header_octets() + payload_octets > room {
-            return self.count(port, |counts| counts.no_route += 1);
+            return self.count_for(&data, port, |counts| counts.no_route += 1);
         }
         self.enqueue(Outgoing::new(data, Heading::Rpl(Box::new(datagram)), payload_octets), port);
     }

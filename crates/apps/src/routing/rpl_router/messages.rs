@@ -277,5 +277,5 @@ fn message_to(target: StationId, message: Message, port: &Port<'_>) -> Datagram 
 
 /// What the queue knows of a message, which has no number of its own.
 fn nameless(origin: StationId) -> Data {
-    Data { origin, number: 0, hops: 0, cost: None, parent: None, target: None }
+    Data::new(origin, 0)
 }

@@ -150,6 +150,12 @@ impl Printed<'_> {
             [("captured", "captured"), ("arrived", "arrived"), ("time", "time_s")]
                 .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
         };
+        let of_networks = |(what, path): (&str, &str)| {
+            let named = |name: &String| (format!("{name}: {what}"), format!("networks.{name}.{path}"));
+            self.plan.networks().iter().map(named).collect::<Vec<_>>()
+        };
+        let of_networks =
+            [("PRR", "prr"), ("throughput", "throughput_bit_per_s"), ("mean delay", "delay_s.mean")].map(of_networks);
         let of_run = [
             ("delivery", "routing.delivery"),
             ("delay end to end", "routing.delay_s.mean"),
@@ -165,6 +171,7 @@ impl Printed<'_> {
         let measures = of_map("mean error", "position_error_m.mean")
             .into_iter()
             .chain(self.plan.applications().iter().flat_map(of_application))
+            .chain(of_networks.into_iter().flatten())
             .chain(of_run)
             .chain(of_map("connectivity error", "connectivity_error"));
         measures.filter(|(_, path)| self.has(path)).collect()

@@ -44,7 +44,7 @@ pub(super) fn record(
         counted: trace.counts && trace.source.index() < nodes,
         begun_ns: trace.begun.map(nanos),
         assessments: count(trace.assessments.len()),
-        transmissions: count(trace.transmissions.len()),
+        transmissions: trace.attempts(),
         end: trace.end.name().to_owned(),
         ended_ns: nanos(trace.ended),
         fate: trace.fate.name().to_owned(),
@@ -58,9 +58,9 @@ pub(super) fn record(
         start_ns: nanos(start),
         busy,
     };
-    let transmission = |(attempt, sent): (usize, &TransmissionTrace)| TransmissionMessage {
+    let transmission = |sent: &TransmissionTrace| TransmissionMessage {
         packet: id,
-        attempt: count(attempt),
+        attempt: sent.attempt,
         start_ns: nanos(sent.start),
         airtime_ns: (SimTime::ZERO + sent.airtime).as_nanos(),
         outcome: sent.outcome.name().to_owned(),
@@ -72,7 +72,7 @@ pub(super) fn record(
         acknowledged_ns: sent.acknowledged.map(nanos),
     };
     let assessments: Vec<_> = trace.assessments.iter().map(assessment).collect();
-    let transmissions: Vec<_> = trace.transmissions.iter().enumerate().map(transmission).collect();
+    let transmissions: Vec<_> = trace.transmissions.iter().map(transmission).collect();
     recorder.packet(&packet, &assessments, &transmissions)
 }
 

@@ -4,7 +4,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::tsch::{Cell, CellOptions, CellPeer};
 use sextant_recording::messages::{CellMessage, CheckMessage};
 use sextant_recording::{FileRecorder, RecordingError};
-use sextant_sim::{NetworkRecord, Rhythm};
+use sextant_sim::{CellSpan, NetworkRecord, Rhythm};
 
 /// What a cell may be for, and the word of a schedule for it.
 const OPTIONS: [(CellOptions, &str); 4] = [
@@ -25,13 +25,14 @@ pub(super) fn record(
         for (station, rhythm) in (0..).zip(&record.rhythms) {
             match rhythm {
                 None => {}
-                Some(Rhythm::Cells { from, slot, cells }) => {
+                Some(Rhythm::Cells { slot, cells }) => {
                     let slot_ns = (SimTime::ZERO + *slot).as_nanos();
-                    for cell in cells {
+                    for CellSpan { cell, from, to } in cells {
                         let timing = CellMessage {
                             station,
                             network: network.clone(),
                             from_ns: from.as_nanos(),
+                            to_ns: to.map(SimTime::as_nanos),
                             slot_ns,
                             ..message(cell)
                         };

@@ -1,4 +1,4 @@
-//! A number of a run, of one of its maps or of one of its applications.
+//! A number of a run, of one of its networks, of one of its maps or of one of its applications.
 
 use std::str::FromStr;
 
@@ -7,17 +7,19 @@ use super::subjects::{Feature, Subjects};
 use super::unit::Unit;
 
 /// A number of a run, of one of its maps or of one of its applications, by its path in the summary:
-/// `gathering.path_length_m`, `maps.ml-tm.position_error_m.mean`, `applications.detarsk.time_s`.
+/// `gathering.path_length_m`, `maps.ml-tm.position_error_m.mean`, `applications.detarsk.time_s`; or of one of several networks, by
+/// the name of that in place of `mac`: `networks.fast.prr`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Measure {
     of: Of,
     known: KnownMeasure<'static>,
 }
 
-/// What a number is of; a map and an application have a name.
+/// What a number is of; one of several networks, a map and an application have a name.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Of {
     Run,
+    Network(String),
     Map(String),
     Mission(String),
 }
@@ -38,7 +40,7 @@ impl Measure {
         match &self.of {
             Of::Run => of_run_shortened(path).to_owned(),
             Of::Map(_) => path.to_owned(),
-            Of::Mission(_) => self.path(),
+            Of::Network(_) | Of::Mission(_) => self.path(),
         }
     }
 
@@ -49,16 +51,18 @@ impl Measure {
         let path = self.known.path;
         match &self.of {
             Of::Run => of_run_shortened(path).to_owned(),
+            Of::Network(_) => self.path(),
             Of::Map(name) | Of::Mission(name) => format!("{name}.{path}"),
         }
     }
 
-    /// Its path in the summary.
+    /// Its path in the summary; of one of several networks, the name of that stands for `mac`.
     #[must_use]
     pub fn path(&self) -> String {
         let path = self.known.path;
         match &self.of {
             Of::Run => path.to_owned(),
+            Of::Network(name) => format!("networks.{name}.{path}"),
             Of::Map(name) => format!("maps.{name}.{path}"),
             Of::Mission(name) => format!("applications.{name}.{path}"),
         }
@@ -72,14 +76,22 @@ impl Measure {
 
     /// What it is: a name, and after a colon a definition if the name needs one.
     #[must_use]
-    pub fn meaning(&self) -> &'static str {
-        self.known.meaning
+    pub fn meaning(&self) -> String {
+        match (&self.of, self.known.meaning.split_once(':')) {
+            (Of::Network(network), Some((name, definition))) => format!("{name}, network {network}:{definition}"),
+            (Of::Network(network), None) => format!("{}, network {network}", self.known.meaning),
+            (Of::Run | Of::Map(_) | Of::Mission(_), _) => self.known.meaning.to_owned(),
+        }
     }
 
     /// What it is called on an axis, without its unit: `mean position error`.
     #[must_use]
-    pub fn name_in_words(&self) -> &'static str {
-        self.meaning().split(':').next().unwrap_or_default()
+    pub fn name_in_words(&self) -> String {
+        let name = self.known.meaning.split(':').next().unwrap_or_default();
+        match &self.of {
+            Of::Network(network) => format!("{name}, network {network}"),
+            Of::Run | Of::Map(_) | Of::Mission(_) => name.to_owned(),
+        }
     }
 
     /// What it is called on an axis, with its unit: `mean position error (m)`.
@@ -87,7 +99,7 @@ impl Measure {
     pub fn label(&self) -> String {
         let name = self.name_in_words();
         match self.unit().symbol() {
-            "" | "1" => name.to_owned(),
+            "" | "1" => name,
             unit => format!("{name} ({unit})"),
         }
     }
@@ -97,7 +109,16 @@ impl Measure {
     pub fn map(&self) -> Option<&str> {
         match &self.of {
             Of::Map(name) => Some(name),
-            Of::Run | Of::Mission(_) => None,
+            Of::Run | Of::Network(_) | Of::Mission(_) => None,
+        }
+    }
+
+    /// Its column, or that which it would have if its network were the only one.
+    #[must_use]
+    pub fn column_of_one_network(&self) -> String {
+        match &self.of {
+            Of::Network(_) => format!("mac.{}", self.known.path),
+            Of::Run | Of::Map(_) | Of::Mission(_) => self.column(),
         }
     }
 
@@ -108,9 +129,10 @@ impl Measure {
         if let Some(known) = of_run() {
             return Some(Self { of: Of::Run, known });
         }
-        match column.strip_prefix("applications.") {
-            Some(rest) => named(rest, Of::Mission, || known::of_mission(true, true)),
-            None => {
+        match column.split_once('.') {
+            Some(("applications", rest)) => named(rest, Of::Mission, || known::of_mission(true, true)),
+            Some(("networks", rest)) => named(rest, Of::Network, known::of_network),
+            _ => {
                 let known = known::of_map(true).find(|known| known.path == column)?;
                 Some(Self { of: Of::Map(map.to_owned()), known })
             }
@@ -136,6 +158,7 @@ impl FromStr for Measure {
             Some(Self { of: Of::Run, known })
         };
         let found = match path.split_once('.') {
+            Some(("networks", rest)) => named(rest, Of::Network, known::of_network),
             Some(("maps", rest)) => named(rest, Of::Map, || known::of_map(true)),
             Some(("applications", rest)) => named(rest, Of::Mission, || known::of_mission(true, true)),
             _ => of_run(),
@@ -165,12 +188,17 @@ fn of_run_shortened(path: &str) -> &str {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all(subjects: &Subjects) -> Vec<Measure> {
-    let Subjects { maps, by_nodes, applications, searches, keep_links, features } = subjects;
+    let Subjects { networks, maps, by_nodes, applications, searches, keep_links, features } = subjects;
     let measure = |of: Of, known: KnownMeasure<'static>| Measure { of, known };
     let of_features =
         Feature::ALL.into_iter().filter(|feature| features.contains(feature)).flat_map(known::of_feature);
     let of_run = known::of_run(!by_nodes.is_empty()).chain(of_features);
+    let is_one_network = networks.is_empty() || features.contains(&Feature::SingleNetwork);
+    let of_run = of_run.filter(|known| is_one_network || !known.path.starts_with("mac."));
     let mut measures: Vec<_> = of_run.map(|number| measure(Of::Run, number)).collect();
+    for name in networks {
+        measures.extend(known::of_network().map(|number| measure(Of::Network(name.clone()), number)));
+    }
     for map in maps {
         let numbers = known::of_map(by_nodes.contains(map));
         measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));
@@ -187,8 +215,8 @@ mod tests {
     use super::super::numbers::Numbers;
     use super::*;
     use crate::summary::{
-        DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, MissionSummary,
-        SectorsSummary, Summary,
+        DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MacSummary, MapSummary, MissionSummary,
+        SectorsSummary, Summary, TrafficSummary,
     };
 
     #[test]
@@ -242,6 +270,34 @@ mod tests {
     }
 
     #[test]
+    fn each_of_several_networks_has_its_numbers_under_its_name() {
+        let mac = |network: &str, prr: f64| MacSummary {
+            network: Some(network.to_owned()),
+            all: TrafficSummary { prr: Some(prr), ..TrafficSummary::default() },
+            ..MacSummary::default()
+        };
+        let summary =
+            Summary { mac: Some(mac("a", 0.5)), other_networks: vec![mac("b", 0.25)], ..Summary::default() };
+        let subjects = Subjects { networks: vec!["a".into(), "b".into()], ..Subjects::default() };
+        let (measures, numbers) = (all(&subjects), Numbers::of(&summary));
+        let value = |path: &str| {
+            let measure = measures.iter().find(|measure| measure.path() == path)?;
+            assert_eq!(Measure::of_column(&measure.column(), "").as_ref(), Some(measure));
+            numbers.get(measure)
+        };
+        assert_eq!(
+            [value("networks.a.prr"), value("networks.b.prr"), value("mac.prr")],
+            [Some(0.5), Some(0.25), None]
+        );
+        let prr: Measure = "networks.b.prr".parse().unwrap();
+        assert_eq!(prr.label(), "packet reception ratio, network b");
+        assert_eq!(prr.column_of_one_network(), "mac.prr");
+        // Where some cells have one network, that has its own columns.
+        let features = [Feature::SingleNetwork].into();
+        assert!(all(&Subjects { features, ..subjects }).iter().any(|measure| measure.path() == "mac.prr"));
+    }
+
+    #[test]
     fn a_path_that_leads_nowhere_is_rejected() {
         for path in ["stops", "gathering", "maps.mapped", "maps.fine.maped", "applications.p-g", "maps..", ""] {
             let error = path.parse::<Measure>().unwrap_err().to_string();
@@ -260,6 +316,7 @@ mod tests {
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
             keep_links: names(&["gradient"]),
+            networks: names(&["a", "b"]),
             ..Subjects::every("")
         };
         let measures = all(&subjects);

@@ -29,6 +29,12 @@ impl Numbers {
             .iter()
             .map(|application| (Of::Mission(application.name.clone()), derived::of_mission(application)));
         let mut numbers = BTreeMap::new();
+        let networks = list(&mut tree, "other_networks").into_iter().chain(tree.get("mac").cloned());
+        for network in networks.collect::<Vec<_>>() {
+            if let Some(name) = network.get("network").and_then(Value::as_str) {
+                numbers.insert(Of::Network(name.to_owned()), (network.clone(), Derived::new()));
+            }
+        }
         let parts = list(&mut tree, "maps").into_iter().zip(maps);
         for (part, (of, derived)) in parts.chain(list(&mut tree, "applications").into_iter().zip(applications)) {
             numbers.entry(of).or_insert((part, derived));

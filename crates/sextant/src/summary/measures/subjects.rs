@@ -7,6 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// What a run has numbers of.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Subjects {
+    /// Names of its networks, if it has several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub networks: Vec<String>,
     /// Names of its maps.
     pub maps: Vec<String>,
     /// Names of those that nodes compute.
@@ -50,11 +53,14 @@ pub enum Feature {
     /// Stations of the first network sleep between checks of the channel.
     #[serde(rename = "has_sleep")]
     Sleep,
+    /// It has no networks with names, or one.
+    #[serde(rename = "has_single_network")]
+    SingleNetwork,
 }
 
 impl Feature {
     /// All of them, in the order of their columns.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Slots,
         Self::NegotiatedCells,
         Self::Sleep,
@@ -63,6 +69,7 @@ impl Feature {
         Self::Fragments,
         Self::Rpl,
         Self::Batteries,
+        Self::SingleNetwork,
     ];
 }
 
@@ -81,6 +88,7 @@ impl Subjects {
     pub fn every(name: &str) -> Self {
         let names = || vec![name.to_owned()];
         Self {
+            networks: names(),
             maps: names(),
             by_nodes: names(),
             applications: names(),
@@ -92,9 +100,10 @@ impl Subjects {
 
     /// Adds the names of others that are new, in their order.
     pub fn extend(&mut self, others: &Self) {
-        let Self { maps, by_nodes, applications, searches, keep_links, features } = self;
+        let Self { networks, maps, by_nodes, applications, searches, keep_links, features } = self;
         features.extend(&others.features);
         for (list, names) in [
+            (networks, &others.networks),
             (maps, &others.maps),
             (by_nodes, &others.by_nodes),
             (applications, &others.applications),
@@ -125,13 +134,25 @@ mod tests {
     #[test]
     fn what_a_run_has_is_a_key_that_is_true_and_nothing_otherwise() {
         let lists = r#""maps":["a"],"by_nodes":["a"],"applications":["a"],"searches":["a"]"#;
-        let flags = ["routing", "way_down", "rpl", "fragments", "slots", "negotiated_cells", "batteries", "sleep"];
+        let flags = [
+            "routing",
+            "way_down",
+            "rpl",
+            "fragments",
+            "slots",
+            "negotiated_cells",
+            "batteries",
+            "sleep",
+            "single_network",
+        ];
         let flags = flags.map(|flag| format!(r#""has_{flag}":true"#)).join(",");
         let every = Subjects::every("a");
-        let few = Subjects { keep_links: Vec::new(), features: BTreeSet::new(), ..every.clone() };
-        for (subjects, text) in
-            [(&every, format!(r#"{{{lists},"keep_links":["a"],{flags}}}"#)), (&few, format!("{{{lists}}}"))]
-        {
+        let few =
+            Subjects { networks: Vec::new(), keep_links: Vec::new(), features: BTreeSet::new(), ..every.clone() };
+        for (subjects, text) in [
+            (&every, format!(r#"{{"networks":["a"],{lists},"keep_links":["a"],{flags}}}"#)),
+            (&few, format!("{{{lists}}}")),
+        ] {
             assert_eq!(serde_json::to_string(subjects).unwrap(), text);
             assert_eq!(&serde_json::from_str::<Subjects>(&text).unwrap(), subjects);
         }

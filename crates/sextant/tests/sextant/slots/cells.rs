@@ -1,6 +1,6 @@
 //! Single cells: contention in shared ones, retries and waiting times in dedicated ones, listening in empty ones.
 
-use sextant::Scenario;
+use sextant::{Scenario, Unwatched};
 
 use super::{assert_close, mac, network};
 
@@ -93,18 +93,23 @@ fn idle_stations_have_the_duty_cycle_of_their_schedule() {
         let rest = format!("{silent}minimal.slotframe = {slots}");
         let found = mac(&network(folder.path(), 3, None, &rest)).slots.expect("slots");
         let expected = 0.22 / f64::from(slots);
-        assert_close(found.duty_cycle, expected, 1e-5, "nodes");
+        assert_close(found.duty_cycle.expect("nodes"), expected, 1e-5, "nodes");
         assert_close(found.sink_duty_cycle.expect("a sink"), expected, 1e-5, "sink");
         assert_close(1e6 * found.mean_current_a.expect("no scan"), 2460.0 / f64::from(slots), 0.2, "current");
         assert_eq!((found.receive, found.transmit, found.transmit_acknowledged), (0, 0, 0));
         // The time of a node ends with its death.
         let death = "{ deaths = { names = [\"n0\"], from_s = 5000.0, to_s = 5000.0 } }";
         let dead = network(folder.path(), 3, None, &rest).with("faults", death).expect("a death");
-        assert_close(mac(&dead).slots.expect("slots").duty_cycle, expected, 1e-5, "nodes, one of which dies");
+        assert_close(
+            mac(&dead).slots.and_then(|slots| slots.duty_cycle).expect("nodes"),
+            expected,
+            1e-5,
+            "nodes, one of which dies",
+        );
     }
     let rest = format!("{silent}orchestra = {{}}");
     let found = mac(&network(folder.path(), 3, None, &rest)).slots.expect("slots");
-    assert_close(found.duty_cycle, 0.22 * 0.091_48, 2e-6, "orchestra");
+    assert_close(found.duty_cycle.expect("nodes"), 0.22 * 0.091_48, 2e-6, "orchestra");
     // A sink has no time source, whose beacons it would hear.
     let expected = 0.22 * (1.0 - 30.0 / 31.0 * 16.0 / 17.0);
     assert_close(found.sink_duty_cycle.expect("a sink"), expected, 2e-6, "orchestra, sink");
@@ -128,6 +133,63 @@ mac.tsch.schedule.orchestra = {{ unicast = \"{unicast}\", unicast_slotframe = 17
     assert_close(by_sender.all.delivered as f64 / 10.0, slotframes, 0.01 * slotframes, "frames of a node");
     let by_receiver = mac(&network(folder.path(), 10, None, &rest("receiver_based")));
     assert!(by_receiver.all.retries > 1000, "{}", by_receiver.all.retries);
+}
+
+#[test]
+fn hops_without_cells_are_a_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let both = |up: &str, down: &str| {
+        format!(
+            "{{ node = \"*\", peer = \"sink\", timeslot = 1, options = \"{up}\" }}, \
+             {{ node = \"sink\", peer = \"*\", timeslot = 1, options = \"{down}\" }}"
+        )
+    };
+    let warned = |cells: &str, to: &str, tree: &str| {
+        let rest = format!(
+            "duration_s = 9.0\ntraffic.periodic = {{ mpdu_octets = 40, interval_s = 1.0 }}\n\
+             routing = {{ to = \"{to}\", tree.{tree} = {{}} }}\n\
+             [mac.tsch.schedule.own]\nslotframe = 11\ncells = [{cells}]\n"
+        );
+        let warnings = sextant::forecast::warnings(&network(folder.path(), 2, None, &rest));
+        let of_cells = warnings.into_iter().filter(|warning| warning.key == "mac.tsch.schedule.own");
+        of_cells.map(|warning| warning.message).collect::<Vec<String>>()
+    };
+    let up = both("transmit shared", "receive");
+    assert!(warned(&up, "sink", "shortest").is_empty());
+    let says = |found: Vec<String>, what: &str| assert!(found.len() == 1 && found[0].starts_with(what), "{found:?}");
+    let nowhere = "`sink` has no cell for packets to `n0` (and the same of 1 further hop): none arrives";
+    says(warned(&up, "sink_and_back", "shortest"), nowhere);
+    says(warned(&up, "sink_and_back", "collection"), "`sink` has no cell for packets: none arrives");
+    let deaf = both("transmit shared", "receive transmit");
+    let nobody = "nobody who should listens in the cells of `sink` for packets to `n0`";
+    says(warned(&deaf, "sink_and_back", "shortest"), nobody);
+    let heard = both("transmit receive shared", "transmit receive shared");
+    assert!(warned(&heard, "sink_and_back", "shortest").is_empty());
+}
+
+/// With sender-based cells a node listens in that of its parent, if packets go down.
+#[test]
+fn packets_go_down_in_cells_of_senders() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = |to: &str| {
+        let rest = format!(
+            "duration_s = 600.0
+traffic.periodic = {{ mpdu_octets = 60, interval_s = 10.0 }}
+mac.tsch.schedule.orchestra = {{ unicast = \"sender_based\" }}
+routing = {{ to = \"{to}\", tree.shortest = {{}} }}"
+        );
+        let run = sextant::run(&network(folder.path(), 2, None, &rest), &mut (), &Unwatched).expect("a run");
+        let summary = run.summary();
+        let slots = summary.mac.as_ref().and_then(|mac| mac.slots).expect("slots");
+        (summary.routing.clone().expect("routing"), slots.duty_cycle.expect("nodes"))
+    };
+    let (both, listening) = found("sink_and_back");
+    let answers = both.answers.expect("the sink answers");
+    assert!(answers.offered >= 100 && answers.delivered + answers.pending == answers.offered, "{answers:?}");
+    assert!(answers.pending <= 2, "{answers:?}");
+    let (up, deaf) = found("sink");
+    assert_eq!(up.delivered + up.pending, up.offered);
+    assert!(deaf < listening, "no more listening than packets need: {deaf}, {listening}");
 }
 
 /// One of two channels brings no frames, and the cell comes on both in turn: every other packet is lost.

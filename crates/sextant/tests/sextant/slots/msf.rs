@@ -18,8 +18,9 @@ mac.tsch.schedule.msf = {{}}"
         let needed = (1.01_f64 / interval_s / 0.75).ceil();
         let negotiated = mac.slots.expect("slots").negotiated.expect("MSF");
         let of = format!("each {interval_s} s");
-        assert!((needed..=needed + 1.0).contains(&negotiated.cells), "{of}: {negotiated:?}, {needed} are needed");
-        assert_close(negotiated.mean_cells, negotiated.cells, 1e-9, &of);
+        let cells = negotiated.cells.expect("a node");
+        assert!((needed..=needed + 1.0).contains(&cells), "{of}: {negotiated:?}, {needed} are needed");
+        assert_close(negotiated.mean_cells, cells, 1e-9, &of);
         assert_eq!((negotiated.transactions, negotiated.failures), (0, 0), "{of}");
         assert_close(mac.all.prr.expect("packets"), 1.0, 1e-9, &of);
     }
@@ -59,4 +60,27 @@ mac.tsch = { hopping = [20], schedule.msf = {} }";
     let negotiated = mac.slots.expect("slots").negotiated.expect("MSF");
     assert_eq!(negotiated.relocations, 0);
     assert_close(mac.all.prr.expect("packets"), 1.0, 1e-3, "delivery");
+}
+
+/// A node that dies has no cells from then on: the mean over time is that of its life, and at the end it does not count.
+#[test]
+fn a_dead_node_has_no_cells() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = "duration_s = 6000.0
+warm_up_s = 2000.0
+mac.tsch.schedule.msf = {}
+faults.deaths = { names = [\"n1\"], from_s = 3000.0, to_s = 3000.0 }
+[[traffic.groups]]
+name = \"calm\"
+nodes.names = [\"n0\"]
+traffic.periodic = { mpdu_octets = 50, interval_s = 10.0, acknowledged = true }
+[[traffic.groups]]
+name = \"busy\"
+nodes = \"others\"
+traffic.periodic = { mpdu_octets = 50, interval_s = 0.25, acknowledged = true }";
+    let slots = mac(&network(folder.path(), 2, None, rest)).slots.expect("slots");
+    let negotiated = slots.negotiated.expect("MSF");
+    assert_eq!((slots.joined, negotiated.cells), (1, Some(1.0)));
+    // The other one needs 1.01 / 0.25 / 0.75 cells: six, or one more, since the warm-up and to its death.
+    assert!((3.5..=4.0).contains(&negotiated.mean_cells), "{negotiated:?}");
 }

@@ -9,6 +9,7 @@ use crate::link::track::{PacketTrack, Traced};
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::service::packet_trace::{PacketEnd, PacketFate, PacketKind};
+use crate::service::packets::LeftPacket;
 use crate::service::report::{Destination, FrameId};
 
 /// A data packet of a station.
@@ -46,7 +47,10 @@ impl EndedPacket<'_> {
     /// Counts the packet, and traces it.
     pub(in crate::link) fn enter(self, origin: Origin, ledger: &mut Ledger, scene: &mut Scene) {
         let Self { packet, end, fate, transmissions, assessments, track } = self;
-        let DataPacket { to, mpdu_octets, offered, .. } = packet;
+        let DataPacket { id, to, mpdu_octets, offered, .. } = packet;
+        if transmissions > 0 && matches!(end, PacketEnd::Died | PacketEnd::Pending) {
+            ledger.left.push(LeftPacket { station: origin.station, frame: id, transmissions });
+        }
         let overhead_octets = header(pan(origin.network), origin.station, to).overhead_octets();
         let payload_octets = u64::from(mpdu_octets - overhead_octets);
         let (transmissions, assessments) = (transmissions.into(), assessments.into());

@@ -13,7 +13,7 @@ mod synchronising;
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
-use sextant_mac::tsch::{JoiningConfig, Sender, SlotClock, TschSettings};
+use sextant_mac::tsch::{Sender, SlotClock, TschSettings};
 use sextant_mac::{Phy, RadioState};
 
 use super::plan::Plan;
@@ -32,6 +32,7 @@ use crate::link::payloads::Payloads;
 use crate::link::radios::Radios;
 use crate::link::settings::{Berth, Placement};
 use crate::link::transmitter::Transmitter;
+use crate::link::tsch::cell_history::CellHistory;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::Deafness;
@@ -88,6 +89,7 @@ impl Links {
                 join_metric: 0,
                 corrected: SimTime::ZERO,
                 schedule: plan.schedule(tsch, station, time_source),
+                history: CellHistory::default(),
                 parent: time_source,
                 msf: plan.msf(tsch, station),
                 agreement: None,
@@ -108,10 +110,11 @@ impl Links {
                 is_traced: false,
             }
         };
-        let stacks: Vec<Stack> = scene.roll.stations().map(stack).collect();
+        let mut stacks: Vec<Stack> = scene.roll.stations().map(stack).collect();
         let mut listeners = Listeners::new(tsch.hopping.channels().len());
-        for (station, stack) in scene.roll.stations().zip(&stacks).filter(|(_, stack)| stack.is_joined()) {
+        for (station, stack) in scene.roll.stations().zip(&mut stacks).filter(|(_, stack)| stack.is_joined()) {
             listeners.add(station, &stack.schedule);
+            stack.history.change(stack.schedule.cells(), SimTime::ZERO);
         }
         let berths = std::iter::once(Berth { air, first_receiver }).chain(further);
         Self {
@@ -174,16 +177,10 @@ impl Links {
     }
 
     /// When the radio of a station was on by plan; `None` if it never followed the schedule.
-    fn rhythm(&self, station: StationId) -> Option<Rhythm> {
-        let stack = &self.stacks[station.index()];
-        let is_in = self.ledger.has(station);
-        let from = match (stack.usage.slots.joined_after, self.settings.synchronisation.joining) {
-            (Some(after), _) => SimTime::ZERO + after,
-            (None, JoiningConfig::ByScan) if !stack.is_joined() => return None,
-            (None, JoiningConfig::AtStart | JoiningConfig::ByScan) => SimTime::ZERO,
-        };
-        let (slot, cells) = (self.settings.timeslot.length(), stack.schedule.cells().to_vec());
-        is_in.then_some(Rhythm::Cells { from, slot, cells })
+    fn rhythm(&mut self, station: StationId) -> Option<Rhythm> {
+        let cells = std::mem::take(&mut self.stacks[station.index()].history).into_spans();
+        let slot = self.settings.timeslot.length();
+        (!cells.is_empty()).then_some(Rhythm::Cells { slot, cells })
     }
 
     /// Counts the slots of a station up to now in which it listened and nobody sent.
@@ -305,9 +302,10 @@ impl NetworkLinks for Links {
             let stack = &mut self.stacks[i];
             stack.usage.count_scan(now);
             stack.usage.slots.is_member = stack.is_joined();
-            let until = stack.clock.next_from(now);
+            let ended = self.ledger.died(station).unwrap_or(now);
+            let until = stack.clock.next_from(ended);
             stack.usage.slots.msf = stack.msf.as_mut().map(|msf| msf.used(until));
-            let (meter, used) = stack.usage.close(self.ledger.died(station).unwrap_or(now));
+            let (meter, used) = stack.usage.close(ended);
             let (tx_power, rests_in) = (stack.tx_power, RadioState::Sleep);
             radios.push(RadioUse { meter, tx_power, other_powers: Vec::new(), rests_in });
             slots.push(used);

@@ -3,6 +3,7 @@
 //! A station takes an event only for slots in which it sends. Who could hear a frame is woken when it begins; slots in which a
 //! station listens and nobody sends to it are counted by its schedule, without an event.
 
+mod cell_history;
 mod cells;
 mod links;
 mod plan;

@@ -11,7 +11,7 @@ use sextant_mac::tsch::{
 };
 
 use super::cells::NamedCell;
-use crate::link::settings::KnownStations;
+use crate::link::settings::{KnownStations, KnownTree, TreeTraffic};
 use crate::service::report::Destination;
 
 /// What all stations may do in the cell of the minimal schedule (RFC 8180, 4.1).
@@ -47,9 +47,10 @@ impl Plan {
         settings: &TschSettings,
         cells: &[NamedCell],
         stations: &KnownStations<'_>,
-        parents: Option<&[Option<StationId>]>,
+        tree: Option<&KnownTree>,
     ) -> Result<Self, SettingError> {
         let count = stations.count();
+        let parents = tree.map(|tree| &*tree.parents);
         let is_sink = |station: StationId| station.index() >= stations.first_sink();
         let time_source = |station: StationId| match parents {
             _ if is_sink(station) => None,
@@ -62,7 +63,12 @@ impl Plan {
         if settings.needs_senders() {
             for station in all() {
                 match (parents, time_sources[station.index()]) {
-                    (Some(_), Some(parent)) => senders[parent.index()].push(station),
+                    (Some(_), Some(parent)) => {
+                        senders[parent.index()].push(station);
+                        if tree.is_some_and(|tree| tree.traffic == TreeTraffic::UpAndDown) {
+                            senders[station.index()].push(parent);
+                        }
+                    }
                     (Some(_), None) => {}
                     // Without a tree, nodes send to sinks.
                     (None, _) if is_sink(station) => {

@@ -8,7 +8,7 @@ use super::plan::{CellFault, Plan};
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
 use crate::link::ieee802154::Radio;
 use crate::link::radio_settings::RadioSettings;
-use crate::link::settings::{KnownStations, LinkSettings, Spectrum};
+use crate::link::settings::{KnownStations, KnownTree, LinkSettings, Spectrum};
 use crate::service::report::Destination;
 use crate::world::layout::PlacedNode;
 
@@ -21,8 +21,8 @@ pub struct Tsch {
     pub tsch: TschSettings,
     /// The cells that the scenario lists.
     cells: Vec<NamedCell>,
-    /// To whom each station sends, if a tree is known.
-    parents: Option<Vec<Option<StationId>>>,
+    /// The tree along which stations send, if it is known.
+    tree: Option<KnownTree>,
     pub(super) plan: Plan,
 }
 
@@ -56,7 +56,7 @@ impl Tsch {
         };
         match (tsch, cells) {
             (Some(tsch), Some(cells)) if errors.is_empty() => {
-                Ok(Self { radio, tsch, cells, parents: None, plan: Plan::default() })
+                Ok(Self { radio, tsch, cells, tree: None, plan: Plan::default() })
             }
             _ => Err(errors),
         }
@@ -94,8 +94,8 @@ impl LinkSettings for Tsch {
         self.tsch.hopping.channels()[1..].iter().map(|&channel| self.radio.spectrum(channel)).collect()
     }
 
-    fn know_parents(&mut self, parents: &[Option<StationId>]) {
-        self.parents = Some(parents.to_vec());
+    fn know_tree(&mut self, tree: &KnownTree) {
+        self.tree = Some(tree.clone());
     }
 
     fn know_stations(&mut self, stations: &KnownStations<'_>) -> Result<(), SettingError> {
@@ -103,7 +103,7 @@ impl LinkSettings for Tsch {
             let remedy = "remove the robots, or give them a network of their own: they do not follow slots";
             return Err(SettingError::conflict("tsch", "robots in the network", remedy).within("mac"));
         }
-        let plan = Plan::new(&self.tsch, &self.cells, stations, self.parents.as_deref());
+        let plan = Plan::new(&self.tsch, &self.cells, stations, self.tree.as_ref());
         self.plan = plan.map_err(|error| error.within("mac.tsch"))?;
         Ok(())
     }

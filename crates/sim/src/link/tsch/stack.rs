@@ -9,6 +9,7 @@ use crate::air::Transmission;
 use crate::link::ieee802154::DataPacket;
 use crate::link::payloads::Content;
 use crate::link::track::PacketTrack;
+use crate::link::tsch::cell_history::CellHistory;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::report::{Destination, FrameId};
 
@@ -132,6 +133,8 @@ pub(super) struct Stack {
     /// When its clock was last corrected.
     pub(super) corrected: SimTime,
     pub(super) schedule: Schedule,
+    /// The cells of the schedules that it followed so far.
+    pub(super) history: CellHistory,
     /// The station with which it agrees on cells.
     pub(super) parent: Option<StationId>,
     /// How it agrees on them, if it does, ...

@@ -63,7 +63,7 @@ impl Drawn {
             unit => unit.for_size(largest),
         };
         let words = measure.name_in_words();
-        let label = if unit.is_empty() { words.to_owned() } else { format!("{words} ({unit})") };
+        let label = if unit.is_empty() { words } else { format!("{words} ({unit})") };
         Self { column, unit: measure.unit(), label, factor }
     }
 

@@ -50,8 +50,8 @@ pub(super) fn within(source: &PacketSource<'_>, (from_s, to_s): (f64, f64), most
         };
         let step_ns = cell.slot_ns.saturating_mul(cell.slotframe.into());
         let first_ns = cell.slot_ns.saturating_mul(cell.timeslot.into());
-        let (station, length_ns, since_ns) = (cell.station, cell.slot_ns, cell.from_ns);
-        let pattern = Pattern { station, planned, first_ns, step_ns, length_ns, since_ns };
+        let (station, length_ns, since_ns, until_ns) = (cell.station, cell.slot_ns, cell.from_ns, cell.to_ns);
+        let pattern = Pattern { station, planned, first_ns, step_ns, length_ns, since_ns, until_ns };
         pattern.add(source, (from_s, to_s), most, &mut times)?;
     }
     for check in &activity.checks {
@@ -62,6 +62,7 @@ pub(super) fn within(source: &PacketSource<'_>, (from_s, to_s): (f64, f64), most
             step_ns: check.interval_ns,
             length_ns: check.length_ns,
             since_ns: 0,
+            until_ns: None,
         };
         pattern.add(source, (from_s, to_s), most, &mut times)?;
     }
@@ -77,6 +78,8 @@ struct Pattern {
     length_ns: u64,
     /// None begins earlier.
     since_ns: u64,
+    /// Nor later than this, if it is known.
+    until_ns: Option<u64>,
 }
 
 impl Pattern {
@@ -90,7 +93,8 @@ impl Pattern {
     ) -> Option<()> {
         let &Self { station, planned, .. } = self;
         let death = source.drawn.deaths.get(&sextant_kernel::NodeId(station)).map(|death| death.as_nanos());
-        let until_s = death.map_or(to_s, |death| to_s.min(seconds(death)));
+        let ends = death.into_iter().chain(self.until_ns);
+        let until_s = ends.fold(to_s, |until_s, end| until_s.min(seconds(end)));
         if self.step_ns == 0 {
             return Some(());
         }
@@ -134,6 +138,7 @@ mod tests {
         };
         let late =
             CellMessage { station: 2, from_ns: 100_000_000, options: "transmit shared".to_owned(), ..cell.clone() };
+        let early = CellMessage { station: 3, to_ns: Some(70_000_000), ..cell.clone() };
         let check = CheckMessage {
             station: 0,
             network: String::new(),
@@ -142,7 +147,7 @@ mod tests {
             length_ns: 1_000_000,
         };
         let activity =
-            RecordedActivity { cells: vec![cell, late], checks: vec![check], ..RecordedActivity::default() };
+            RecordedActivity { cells: vec![cell, late, early], checks: vec![check], ..RecordedActivity::default() };
         let mut drawn = RecordedWorld::default();
         drawn.deaths.insert(NodeId(0), SimTime::from_nanos(60_000_000));
         let source = PacketSource {
@@ -161,6 +166,7 @@ mod tests {
         };
         assert_eq!(starts(1), [20.0, 70.0, 120.0], "that which has begun before the window too");
         assert_eq!(starts(2), [120.0], "only since it is in the network");
+        assert_eq!(starts(3), [20.0], "only until it gives the cell up");
         assert_eq!(starts(0), [32.0, 57.0], "only until its battery is empty");
         assert_eq!(found[3].planned, Planned::Sends);
         assert_eq!(within(&source, (0.025, 0.13), 3), None);

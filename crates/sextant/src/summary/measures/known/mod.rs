@@ -60,8 +60,16 @@ pub(super) fn of_feature(feature: Feature) -> impl Iterator<Item = KnownMeasure<
         Feature::NegotiatedCells => run::WITH_NEGOTIATED_CELLS,
         Feature::Batteries => run::WITH_BATTERIES,
         Feature::Sleep => run::WITH_SLEEP,
+        Feature::SingleNetwork => &[],
     };
     all(written, &[])
+}
+
+/// All of one of several networks.
+pub(super) fn of_network() -> impl Iterator<Item = KnownMeasure<'static>> {
+    let stripped =
+        |known: KnownMeasure<'static>| Some(KnownMeasure { path: known.path.strip_prefix("mac.")?, ..known });
+    of_any_run().filter_map(stripped)
 }
 
 /// All of any run.

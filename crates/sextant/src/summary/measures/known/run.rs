@@ -89,13 +89,14 @@ pub(super) const WITH_SLOTS: &[KnownMeasure<'static>] = &[
     known("mac.slots.mean_current_a", Ampere, "mean current of a node by published charges of slots"),
     known("mac.slots.joined", Count, "nodes that are in the network at the end"),
     known("mac.slots.lost", Count, "times that nodes lost the network"),
+    known("mac.slots.joined_by_scan", Count, "nodes that joined by a scan: the mean time until then is of these"),
     known("mac.slots.join_s", Second, "mean time until a node that scans has joined"),
 ];
 
 /// Of a run whose stations agree on cells.
 pub(super) const WITH_NEGOTIATED_CELLS: &[KnownMeasure<'static>] = &[
     known("mac.slots.negotiated.mean_cells", Count, "negotiated cells in which a node sends, on average"),
-    known("mac.slots.negotiated.cells", Count, "negotiated cells in which a node sends at the end"),
+    known("mac.slots.negotiated.cells", Count, "negotiated cells in which a node of the network sends at the end"),
     known("mac.slots.negotiated.transactions", Count, "transactions of the 6top protocol that nodes began"),
     known("mac.slots.negotiated.failures", Count, "transactions of the 6top protocol that failed"),
     known("mac.slots.negotiated.relocations", Count, "negotiated cells that were relocated"),
@@ -196,7 +197,7 @@ pub(super) const WITH_RPL: &[KnownMeasure<'static>] = &[
     known("routing.rpl.routes_known_s", Second, "time until the roots of RPL had learned ways to all nodes"),
     known("routing.rpl.most_routes", Count, "most ways down that a station of RPL keeps at the end"),
     known("routing.rpl.healing.orphans", Count, "nodes of RPL whose parent died"),
-    known("routing.rpl.healing.healed", Count, "nodes of RPL whose parent died and that found another one"),
-    known("routing.rpl.healing.mean_s", Second, "mean time from the death of a parent to another one"),
-    known("routing.rpl.healing.max_s", Second, "longest time from the death of a parent to another one"),
+    known("routing.rpl.healing.healed", Count, "nodes of RPL whose parent died and that had a way to a sink again"),
+    known("routing.rpl.healing.mean_s", Second, "mean time from the death of a parent to a way to a sink"),
+    known("routing.rpl.healing.max_s", Second, "longest time from the death of a parent to a way to a sink"),
 ];

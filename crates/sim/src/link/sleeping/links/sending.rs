@@ -205,13 +205,16 @@ impl Links {
     fn note_transmission(&mut self, station: StationId, transmission: &Transmission, fate: Fate, scene: &mut Scene) {
         let Some(packet) = self.stacks[station.index()].waiting.front_mut() else { return };
         // Copies in one attempt are one transmission.
-        packet.transmissions += u32::from(packet.sent_in.replace(packet.attempts) != Some(packet.attempts));
+        let is_copy = packet.sent_in.replace(packet.attempts) == Some(packet.attempts);
+        packet.transmissions += u32::from(!is_copy);
         if fate.outcome == FrameOutcome::Received && packet.outcome != FrameOutcome::Received {
             self.ledger.note_reception(station, packet.offered, scene.now);
         }
         packet.outcome = packet.outcome.max(fate.outcome);
-        if let Some(track) = &mut packet.track {
-            track.end_transmission(transmission, fate, &self.radios, scene);
+        match &mut packet.track {
+            Some(track) if is_copy => track.end_copy(transmission, fate, &self.radios, scene),
+            Some(track) => track.end_transmission(transmission, fate, &self.radios, scene),
+            None => {}
         }
     }
 

@@ -88,6 +88,7 @@ impl Links {
         let schedule: Schedule = plain.with_cells(negotiated);
         self.listeners.remove(station, &stack.schedule);
         self.listeners.add(station, &schedule);
+        stack.history.change(schedule.cells(), scene.now);
         stack.schedule = schedule;
         self.replan(station, scene);
     }

@@ -34,6 +34,7 @@ impl EndingLinks for Links {
         }
         stack.membership = Membership::Out;
         stack.listening = None;
+        stack.history.change(&[], scene.now);
         self.listeners.remove(station, &stack.schedule);
         stack.deafness = Some(Deafness::Off);
         for radios in &self.radios {

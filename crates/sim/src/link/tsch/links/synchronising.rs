@@ -140,6 +140,7 @@ impl Links {
         let change = self.schedule(station, SCAN_STEP, Event::ChannelChanged, scene);
         let stack = &mut self.stacks[station.index()];
         self.listeners.remove(station, &stack.schedule);
+        stack.history.change(&[], scene.now);
         stack.membership = Membership::Scanning { place, change };
         stack.usage.begin_scan(scene.now);
         if let Some(planned) = stack.planned.take() {
@@ -218,6 +219,7 @@ impl Links {
         stack.usage.go_on(stack.clock.next_from(scene.now));
         stack.schedule = schedule;
         self.listeners.add(station, &stack.schedule);
+        stack.history.change(stack.schedule.cells(), scene.now);
         self.replan(station, scene);
         self.begin_membership(station, scene);
     }
