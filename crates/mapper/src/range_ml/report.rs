@@ -276,7 +276,7 @@ impl Finding for RangeFit {
         if !self.beside.is_empty() {
             let nodes = listed(&self.beside);
             warn(format!(
-                "the ranges do not tell how far these nodes are beside the stops, so their regions are as wide as their longest range: \
+                "the ranges do not tell how far these nodes are beside the stops, so their regions are about as wide as their ranges are long: \
                  {nodes}; ranges from stops beside a straight way would tell"
             ));
         }
