@@ -121,6 +121,11 @@ fn place(hundredths: f64) -> Option<usize> {
     (LEAST_DBM * 100.0..0.0).contains(&hundredths).then_some((hundredths - LEAST_DBM * 100.0) as usize)
 }
 
+/// Whether a radio may report this strength (dBm).
+pub(super) fn is_usual(level_dbm: f64) -> bool {
+    (LEAST_DBM..0.0).contains(&level_dbm)
+}
+
 /// The usual strength at a place (dBm).
 fn level_dbm(place: usize) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "at most 15 000")]

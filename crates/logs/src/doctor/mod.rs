@@ -83,10 +83,11 @@ pub(super) fn of_levels(levels: &Levels) -> Vec<Finding> {
     checks.iter().filter_map(|check| check(levels)).collect()
 }
 
-/// The findings without those that come from other ones: stops that are cut by a wrong path are too short.
+/// The findings without those that come from other ones: stops that are cut by a wrong path are too short, and where it jumps packets
+/// seem to be late.
 pub(super) fn told_apart(mut findings: Vec<Finding>) -> Vec<Finding> {
     if findings.iter().any(|finding| ["no-fix", "speed"].contains(&finding.check)) {
-        findings.retain(|finding| finding.check != "short-listening");
+        findings.retain(|finding| !["short-listening", "clock-drift"].contains(&finding.check));
     }
     findings
 }

@@ -2,6 +2,8 @@
 
 use sextant_kernel::{RobotId, SimTime};
 
+use super::levels;
+
 /// The packets of so many nodes are kept.
 const NODES: usize = 24;
 /// Of each node at most so many; when they are too many, every other one is dropped.
@@ -50,6 +52,8 @@ impl Samples {
                 of_node.every *= 2;
             }
             if of_node.seen.is_multiple_of(of_node.every) {
+                // What no radio measures stands for no strength.
+                let rssi_dbm = rssi_dbm.filter(|level| levels::is_usual(*level));
                 of_node.kept.push(PacketSample { robot, time, rssi_dbm });
             }
         }
@@ -70,6 +74,11 @@ impl Samples {
         Self { nodes: self.nodes.iter().map(of_node).collect() }
     }
 
+    /// Those of the packets that are of every second node, from this one on.
+    pub(super) fn of_every_second(&self, first: usize) -> Self {
+        Self { nodes: self.nodes.iter().skip(first).step_by(2).cloned().collect() }
+    }
+
     /// The packets that were kept, by node.
     pub(super) fn nodes(&self) -> impl Iterator<Item = &[PacketSample]> {
         self.nodes.iter().map(|of_node| of_node.kept.as_slice())
@@ -87,6 +96,15 @@ mod tests {
         assert!(!samples.have_strengths());
         samples.take(1, RobotId(0), SimTime::ZERO, Some(-60.0));
         assert!(samples.have_strengths());
+    }
+
+    #[test]
+    fn a_strength_that_no_radio_measures_is_none() {
+        let mut samples = Samples::default();
+        for (node, level_dbm) in (0..).zip([127.0, 0.0, -200.0]) {
+            samples.take(node, RobotId(0), SimTime::ZERO, Some(level_dbm));
+        }
+        assert!(!samples.have_strengths());
     }
 
     #[test]

@@ -176,7 +176,7 @@ impl Gatherer {
         self.notes.push(format!("{whose} is cut into {stops}{each} (option `stop_every` sets it)"));
         if let Some((apart_m, apart)) = path.usual_leg().filter(|(apart_m, _)| *apart_m > SPARSE_M) {
             self.notes.push(format!(
-                "{whose} has poses {apart_m:.1} m and {} s apart (median, where it moves): between them it counts as a straight \
+                "{whose} has poses {apart_m:.1} m and {} s apart (median over its way): between them it counts as a straight \
                  line at one speed, and corners are cut",
                 instant::format_span(apart)
             ));

@@ -6,7 +6,7 @@ use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
 use crate::error::path_error::PathError;
-use crate::median::{median, median_by};
+use crate::median::median_by;
 
 /// Where a robot was at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,15 +51,20 @@ impl Path {
     /// Two places at the same time may be this far apart (m); the later one counts.
     const SAME_PLACE_M: f64 = 1.0;
 
-    /// The median distance (m) and time between two poses between which the robot moved; `None` if it never did.
+    /// The distance (m) and the time between two poses where the robot drives: half of its way is between poses that are at least as
+    /// far apart. Gaps are left out. `None` if it never moved.
     pub(crate) fn usual_leg(&self) -> Option<(f64, Duration)> {
-        let legs = self
-            .poses
-            .windows(2)
-            .map(|pair| (pair[0].position.distance_m(pair[1].position), pair[1].time.saturating_since(pair[0].time)));
-        let (mut lengths_m, mut times): (Vec<f64>, Vec<Duration>) =
-            legs.filter(|(length_m, _)| *length_m > Self::STANDSTILL_M).unzip();
-        median(&mut lengths_m).zip(median_by(&mut times, Ord::cmp))
+        let leg = |pair: &[Pose]| {
+            (pair[0].position.distance_m(pair[1].position), pair[1].time.saturating_since(pair[0].time))
+        };
+        let mut legs: Vec<(f64, Duration)> = self.pieces().flat_map(|piece| piece.windows(2)).map(leg).collect();
+        legs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let whole_m: f64 = legs.iter().map(|(length_m, _)| length_m).sum();
+        let mut passed_m = 0.0;
+        legs.into_iter().filter(|(length_m, _)| *length_m > 0.0).find(|(length_m, _)| {
+            passed_m += length_m;
+            2.0 * passed_m >= whole_m
+        })
     }
 
     /// The path through `poses`.
@@ -185,4 +190,42 @@ fn gaps(poses: &[Pose]) -> Vec<usize> {
         span(pair) > longest && (moved_m > Path::STANDSTILL_M || span(pair) > Path::REST)
     };
     poses.windows(2).enumerate().filter(|(_, pair)| is_gap(pair)).map(|(before, _)| before).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A robot with a pose every `step_s` that drives at 0.5 m/s, but for what `place` changes.
+    fn path(step_s: f64, count: u32, place: impl Fn(f64) -> f64) -> Path {
+        let pose = |i: u32| {
+            let time_s = step_s * f64::from(i);
+            let time = crate::time::instant::shifted(SimTime::ZERO, time_s).unwrap();
+            Pose { time, position: Position::new(place(time_s), 0.0, 0.0) }
+        };
+        Path::new((0..count).map(pose).collect()).unwrap()
+    }
+
+    #[test]
+    fn the_usual_leg_is_that_of_most_of_the_way() {
+        let of = |path: Path| path.usual_leg().unwrap();
+        let (length_m, span) = of(path(0.2, 400, |time_s| 0.5 * time_s));
+        assert!((length_m - 0.1).abs() < 1e-9 && span == Duration::from_millis(200), "{length_m} {span:?}");
+        // One jump of 8 m.
+        let (length_m, _) = of(path(0.2, 400, |time_s| 0.5 * time_s + if time_s > 30.0 { 8.0 } else { 0.0 }));
+        assert!(length_m < 0.11, "{length_m}");
+        // A gap of a minute.
+        let dense = path(0.2, 100, |time_s| 0.5 * time_s);
+        let last = dense.poses()[99];
+        let after = |i: u64| Pose {
+            time: later(last.time, Duration::from_secs(60) + Duration::from_millis(200 * i)),
+            position: last.position + Position::new(30.0 + 0.1 * i as f64, 0.0, 0.0),
+        };
+        let (length_m, _) = of(Path::new(dense.poses().iter().copied().chain((0..9).map(after)).collect()).unwrap());
+        assert!(length_m < 0.11, "{length_m}");
+        // A robot that stands most of the time, with a pose a minute where it drives.
+        let (length_m, span) =
+            of(path(60.0, 40, |time_s| if time_s < 1200.0 { 0.0 } else { 0.5 * (time_s - 1200.0) }));
+        assert!((length_m - 30.0).abs() < 1e-9 && span == Duration::from_mins(1), "{length_m}");
+    }
 }

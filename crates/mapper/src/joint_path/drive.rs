@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 use super::PathError;
 use super::climb::{Top, climb};
 use super::drive_problem::{
-    AFTER_NODES, DELAY, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, after_nodes,
+    AFTER_NODES, DELAY, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, SCALE_OF_RANGES, after_nodes,
 };
 use super::keyframes::{Keyframe, Keyframes};
 use super::odometry::{FACTORS, Odometry};
@@ -200,7 +200,7 @@ pub(super) fn by_ranges(
         }
     }
     let (problem, start) = best.expect("there are two starts");
-    let errors = sure.map_or_else(|| FACTORS.map(|factor| odometry.times(factor)).to_vec(), |sure| vec![sure]);
+    let errors = sure.map_or_else(|| FACTORS.map(|factor| odometry.wandering(factor)).to_vec(), |sure| vec![sure]);
     let (problem, top) = chosen(problem, start, &errors, watch)?;
     Ok(estimated(&keyframes, &problem, &top, log, &ids))
 }
@@ -287,9 +287,12 @@ fn estimated(
     let poses: Vec<PathPose> = keyframes.frames.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let border = &top.point.border;
     let after = 3 * problem.known.len();
-    let deviation = |which: usize| {
-        covariances.as_ref().map_or(0.0, |(_, border)| border[(after + which, after + which)].max(0.0).sqrt())
-    };
+    let covariance =
+        |of: usize, with: usize| covariances.as_ref().map_or(0.0, |(_, border)| border[(after + of, after + with)]);
+    let deviation = |which: usize| covariance(which, which).max(0.0).sqrt();
+    let of_both = covariance(SCALE_OF_RANGES, SCALE_OF_RANGES)
+        + covariance(ODOMETRY_SCALE, ODOMETRY_SCALE)
+        + 2.0 * covariance(SCALE_OF_RANGES, ODOMETRY_SCALE);
     let moved = poses.iter().map(|pose| pose.position.distance_m(pose.believed));
     let fit = PathFit {
         poses: poses.len(),
@@ -297,14 +300,16 @@ fn estimated(
         known_nodes: problem.known.iter().flatten().count(),
         length_m: problem.odometry.length_m(),
         odometry: problem.odometry.error,
-        scale: border[after + 2],
-        scale_deviation: deviation(2),
-        drift_rad_per_m: border[after + 3],
-        drift_deviation_rad_per_m: deviation(3),
+        scale: border[after + ODOMETRY_SCALE],
+        scale_deviation: deviation(ODOMETRY_SCALE),
+        drift_rad_per_m: border[after + DRIFT],
+        drift_deviation_rad_per_m: deviation(DRIFT),
         ranges: Some(PathRanges {
             bias_m: border[after],
-            scale: border[after + 1],
-            scale_deviation: deviation(1),
+            scale: border[after + SCALE_OF_RANGES],
+            scale_deviation: deviation(SCALE_OF_RANGES),
+            longer_than_odometry: border[after + SCALE_OF_RANGES] + border[after + ODOMETRY_SCALE],
+            longer_deviation: of_both.max(0.0).sqrt(),
             delay_s: border[after + DELAY],
             delay_deviation_s: deviation(DELAY),
         }),

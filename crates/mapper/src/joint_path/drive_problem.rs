@@ -51,7 +51,7 @@ pub(super) struct DriveProblem<'a> {
 /// Entries of the border for each node, and those after all nodes.
 const OF_NODE: usize = 3;
 const BIAS: usize = 0;
-const SCALE: usize = 1;
+pub(super) const SCALE_OF_RANGES: usize = 1;
 pub(super) const ODOMETRY_SCALE: usize = 2;
 pub(super) const DRIFT: usize = 3;
 pub(super) const DELAY: usize = 4;
@@ -84,7 +84,7 @@ impl DriveProblem<'_> {
     }
 
     fn error_m(&self, range: &PoseRange, distance_m: f64, border: &DVector<f64>) -> f64 {
-        let longer = 1.0 + border[self.shared(SCALE)];
+        let longer = 1.0 + border[self.shared(SCALE_OF_RANGES)];
         range.range_m - longer * distance_m - border[self.shared(BIAS)] - border[OF_NODE * range.node + 2]
     }
 
@@ -96,7 +96,7 @@ impl DriveProblem<'_> {
             let bias = (OF_NODE * node + 2, 0.0, self.node_bias_m);
             place.into_iter().flatten().chain([bias])
         });
-        let shared = [(BIAS, self.bias_m), (SCALE, self.scale), (DELAY, self.delay_s)];
+        let shared = [(BIAS, self.bias_m), (SCALE_OF_RANGES, self.scale), (DELAY, self.delay_s)];
         of_nodes.chain(shared.map(|(which, deviation)| (self.shared(which), 0.0, deviation.max(1e-9))))
     }
 
@@ -125,7 +125,7 @@ impl Hill for DriveProblem<'_> {
         for range in self.ranges {
             let (apart, distance_m) = self.apart(range, at);
             let density = law.density(self.error_m(range, distance_m, &at.border));
-            let longer = (1.0 + at.border[self.shared(SCALE)]) / distance_m;
+            let longer = (1.0 + at.border[self.shared(SCALE_OF_RANGES)]) / distance_m;
             let (sin, cos) = libm::sincos(at.poses[range.pose][2]);
             let [x, y] = self.offset(range, at);
             let by_turn = apart[0] * (-sin * x - cos * y) + apart[1] * (cos * x - sin * y);
@@ -137,7 +137,7 @@ impl Hill for DriveProblem<'_> {
                 (OF_NODE * range.node + 1, -longer * apart[1]),
                 (OF_NODE * range.node + 2, -1.0),
                 (self.shared(BIAS), -1.0),
-                (self.shared(SCALE), -distance_m),
+                (self.shared(SCALE_OF_RANGES), -distance_m),
                 (self.shared(DELAY), -longer * closing),
             ];
             let (weight, slope) = (self.worth * density.stiffness, self.worth * density.by_error);

@@ -21,8 +21,8 @@ const FEW_NODES: usize = 8;
 ///
 /// Poses, places of nodes, biases, scales and drift are one problem, whose normal equations are eliminated along the chain of
 /// poses. Ranges: it is climbed from the believed path under ever less noise. Packets: the places of nodes are integrated over grids,
-/// and the share of packets that arrive over a distance is estimated again after each climb. How much of the error of odometry is
-/// real is chosen by the marginal likelihood. At last the path is estimated without each half of the nodes, or without each of a few
+/// and the share of packets that arrive over a distance is estimated again after each climb. How much of the drift and the
+/// wander of odometry is real is chosen by the marginal likelihood; the scale is as unsure as `odometry` says. At last the path is estimated without each half of the nodes, or without each of a few
 /// nodes. Only if what was found of those is clearly more probable on it than on the believed path, the path is moved: see [`PathFit::held_out`](super::PathFit).
 ///
 /// # Errors

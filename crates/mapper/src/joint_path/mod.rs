@@ -46,13 +46,13 @@ impl Default for PathError {
 }
 
 impl PathError {
-    /// The same, multiplied.
-    fn times(self, factor: f64) -> Self {
+    /// The same with a drift and a wander that are multiplied. The scale is what it was: a log does not tell it.
+    fn wandering(self, factor: f64) -> Self {
         Self {
-            scale: self.scale * factor,
             drift_rad_per_m: self.drift_rad_per_m * factor,
             heading_rad_per_root_m: self.heading_rad_per_root_m * factor,
             position_m_per_root_m: self.position_m_per_root_m * factor,
+            ..self
         }
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DVector, Vector4};
 use super::PathError;
 use super::chain::ChainSystem;
 
-/// Shares of the error of odometry that are tried: the evidence chooses.
+/// Shares of the drift and the wander of odometry that are tried: the evidence chooses.
 pub(super) const FACTORS: [f64; 4] = [0.03, 0.1, 0.3, 1.0];
 
 /// A step of the path as odometry has it.

@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
     fn chosen(&mut self, error: PathError, watch: &dyn Watch) -> Result<PathError, MapError> {
         let mut best: Option<(f64, PathError, PacketPoint)> = None;
         for factor in FACTORS {
-            let tried = error.times(factor);
+            let tried = error.wandering(factor);
             let Climbed { top, log_evidence } = self.climbed(tried, 2 * STEPS, watch)?;
             if let Some(log_evidence) = log_evidence
                 && best.as_ref().is_none_or(|(best, ..)| log_evidence > *best)

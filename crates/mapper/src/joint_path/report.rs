@@ -107,6 +107,10 @@ pub struct PathRanges {
     pub scale: f64,
     /// Its standard deviation.
     pub scale_deviation: f64,
+    /// The share by which ranges are longer than odometry says. The log tells it, and hardly which of both is wrong.
+    pub longer_than_odometry: f64,
+    /// Its standard deviation.
+    pub longer_deviation: f64,
     /// How late the ranges are by the clock of the path (s).
     pub delay_s: f64,
     /// Its standard deviation (s).
@@ -198,11 +202,14 @@ impl PathFit {
         serde_json::to_value(&keys).expect("plain numbers and names")
     }
 
-    /// Whether the ranges tell another scale than odometry has, so that one of both instruments is wrong.
-    #[must_use]
-    pub fn scales_differ(&self) -> bool {
-        self.ranges
-            .is_some_and(|ranges| ranges.scale.abs() > 0.02 && ranges.scale.abs() > 4.0 * ranges.scale_deviation)
+    /// The share by which ranges are longer than odometry says, and its standard deviation, if both clearly have another scale and no
+    /// two known nodes tell which is wrong.
+    fn scales_differ(&self) -> Option<[f64; 2]> {
+        /// Smaller differences matter to nobody.
+        const LEAST: f64 = 0.01;
+        let ranges = self.ranges.filter(|_| self.known_nodes < 2)?;
+        let [longer, deviation] = [ranges.longer_than_odometry, ranges.longer_deviation];
+        (longer.abs() > LEAST.max(4.0 * deviation)).then_some([longer, deviation])
     }
 }
 
@@ -230,8 +237,13 @@ impl fmt::Display for PathFit {
             return write!(
                 f,
                 "the path stays as it is: on one that is estimated by {by}, what was found of nodes that were left out is not clearly more \
-                 probable (gain {gain:.1} ± {:.1} nats)",
-                2.0 * error
+                 probable (gain {gain:.1} ± {:.1} nats). Drift that this does not tell may remain, and places and regions do not hold it: \
+                 {} would tell",
+                2.0 * error,
+                match self.ranges {
+                    Some(_) => "ways that cross or pass the same nodes again, or nodes at known places,",
+                    None => "lanes nearer to each other, measured ranges, or a path without drift",
+                }
             );
         }
         let frame = match self.frame() {
@@ -252,11 +264,13 @@ impl fmt::Display for PathFit {
             self.drift_rad_per_m,
             2.0 * self.drift_deviation_rad_per_m,
         )?;
-        if let Some(ranges) = self.ranges.filter(|_| self.scales_differ()) {
+        if let Some([longer, deviation]) = self.scales_differ() {
             write!(
                 f,
-                "; ranges are {:.1} % longer than odometry says: one of the two has a wrong scale, and a known distance tells which",
-                100.0 * ranges.scale
+                "; ranges are {:.1} ± {:.1} % {} than odometry says: one of the two has a wrong scale, and a known distance tells which",
+                100.0 * longer.abs(),
+                200.0 * deviation,
+                if longer > 0.0 { "longer" } else { "shorter" },
             )?;
         }
         if let Some(ranges) = self.ranges.filter(|ranges| ranges.delay_s.abs() > 3.0 * ranges.delay_deviation_s) {

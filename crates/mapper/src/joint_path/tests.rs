@@ -99,6 +99,32 @@ fn ranges_take_the_drift_from_a_path() {
 }
 
 #[test]
+fn a_scale_that_the_log_does_not_tell_stays_as_unsure_as_it_was() {
+    for (longer, which) in [(1.01, "shorter"), (0.98, "longer")] {
+        let scaled = |[x, y]: [f64; 2]| [longer * x, longer * (y + 2.0) - 2.0];
+        let drive: Vec<_> = drive(0.01).into_iter().map(|(truth, believed)| (truth, scaled(believed))).collect();
+        let error = PathError { scale: (longer - 1.0_f64).abs(), ..PathError::default() };
+        let found = estimate_path(&log(&drive, true), error, &[], &Unwatched).unwrap();
+        assert!(found.fit.is_moved() && found.fit.scale_deviation > 0.7 * error.scale, "{}", found.fit);
+        let is_held = |pose: &&PathPose| {
+            let [x, y] = drive[usize::try_from(pose.time.as_nanos() / 500_000_000).unwrap()].0;
+            let (x, y) = (x - pose.position.x_m, y - pose.position.y_m);
+            let [[xx, xy], [_, yy]] = pose.covariance;
+            yy * x * x - 2.0 * xy * x * y + xx * y * y < 6.0 * (xx * yy - xy * xy)
+        };
+        let held = found.poses.iter().filter(is_held).count();
+        assert!(held * 10 >= 9 * found.poses.len(), "{held} of {}, {}", found.poses.len(), found.fit);
+        // That both differ is told, and how much.
+        let ranges = found.fit.ranges.unwrap();
+        let off = ranges.longer_than_odometry + longer - 1.0;
+        assert!(off.abs() < 4.0 * ranges.longer_deviation, "{ranges:?}");
+        if error.scale > 0.015 {
+            assert!(found.fit.to_string().contains(&format!("% {which} than odometry says")), "{}", found.fit);
+        }
+    }
+}
+
+#[test]
 fn ranges_leave_a_right_path_alone() {
     let right = drive(0.0);
     let found = estimate_path(&log(&right, true), PathError::default(), &[], &Unwatched).unwrap();
@@ -151,6 +177,7 @@ fn packets_leave_a_right_path_alone() {
     let right: Vec<_> = drive(0.0).into_iter().step_by(2).collect();
     let found = estimate_path(&log(&right, false), PathError::default(), &[], &Unwatched).unwrap();
     assert!(!found.fit.is_moved() && error_m(&found, &right) <= 0.0, "{}", found.fit);
+    assert!(found.fit.to_string().contains("may remain"), "{}", found.fit);
 }
 
 #[test]

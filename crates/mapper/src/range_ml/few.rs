@@ -5,7 +5,7 @@ use sextant_kernel::NodeId;
 
 use super::groups::RangeGroup;
 use super::modes::{middle, modes};
-use super::places::{Place, estimate, shared_out};
+use super::places::{Place, estimate, longest_m, shared_out, within};
 use super::problem::{HeightPrior, Problem, Shared};
 use crate::posterior::{Concern, Estimate};
 
@@ -29,6 +29,7 @@ pub(super) fn estimates(problem: &Problem<'_>, shared: &Shared) -> Vec<FewRanges
             places.push(ring(groups, problem.heights));
         }
         let Place { place, covariance, .. } = places[0];
+        let covariance = within(covariance, longest_m(groups, shared, problem.node_bias_m));
         let estimate = estimate(place, covariance, &places[1..], problem.heights, |_| Some(Concern::TooFew));
         (node, estimate, places)
     };

@@ -138,6 +138,13 @@ impl RangeMl {
             .filter(|&(number, _)| fit.explained.is_no_place(number))
             .map(|(_, (node, _))| log.names()[node.index()].clone())
             .collect();
+        let is_beside = |estimate: &Estimate| estimate.concern == Some(Concern::NoEvidence);
+        fit.beside = (estimates.iter().enumerate())
+            .filter(|(number, (_, estimate))| {
+                is_beside(estimate) && !fit.explained.is_nothing() && !fit.explained.is_no_place(*number)
+            })
+            .map(|(_, (node, _))| log.names()[node.index()].clone())
+            .collect();
         for (number, (node, estimate)) in estimates.into_iter().enumerate() {
             let is_nothing = fit.explained.is_nothing() || fit.explained.is_no_place(number);
             let concern = if fit.unit.is_some() {

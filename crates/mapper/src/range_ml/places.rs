@@ -5,7 +5,8 @@ use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
 use super::fit::{Fitted, fitted};
-use super::problem::{HeightPrior, NodeMode, Point, Problem};
+use super::groups::RangeGroup;
+use super::problem::{BIAS, HeightPrior, NodeMode, Point, Problem, SCALE, Shared};
 use crate::posterior::{Concern, Estimate};
 
 /// The law of the few ranges of so many nodes or more does not depend on where one of them is.
@@ -98,6 +99,26 @@ pub(super) fn places(
     }
     shared_out(&mut found.places);
     Ok(found)
+}
+
+/// A covariance (m²) that is no wider along any direction than a deviation of `longest_m`. A node and its place are both within the
+/// longest range of each stop, so they are at most twice as far apart, and a 95 % region reaches farther.
+pub(super) fn within(covariance: Matrix3<f64>, longest_m: f64) -> Matrix3<f64> {
+    let most = longest_m * longest_m;
+    let axes = covariance.symmetric_eigen();
+    if axes.eigenvalues.max() <= most {
+        return covariance;
+    }
+    // Beside a huge eigenvalue, the products have the small ones more exactly.
+    let variance = |axis: Vector3<f64>| axis.dot(&(covariance * axis)).clamp(0.0, most);
+    let axes = axes.eigenvectors.column_iter().map(|axis| axis.into_owned());
+    axes.map(|axis| axis * axis.transpose() * variance(axis)).sum()
+}
+
+/// How far a node may be from a stop (m), by the longest of its ranges and by how well bias and scale of all ranges are known.
+pub(super) fn longest_m(groups: &[RangeGroup], shared: &Shared, bias_deviation_m: f64) -> f64 {
+    let range_m = groups.iter().map(|group| group.range_m).fold(0.0, f64::max);
+    ((range_m - shared[BIAS]) / (1.0 + shared[SCALE])).max(0.0) + 2.0 * bias_deviation_m
 }
 
 /// Makes shares of the logarithms of probabilities.

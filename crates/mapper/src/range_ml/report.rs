@@ -58,6 +58,8 @@ pub struct RangeFit {
     pub(super) explained: Explained,
     /// The nodes whose ranges a constant explains clearly better than any place.
     pub unexplained: Vec<String>,
+    /// The nodes of which the ranges do not tell how far they are beside their stops.
+    pub beside: Vec<String>,
     /// Whether bias or scale is far beyond what was thought possible.
     pub is_beyond_prior: bool,
     /// How far nodes are above or below a level path (m), if that explains the ranges clearly better than bias and scale.
@@ -157,6 +159,9 @@ struct RangeLawKeys {
     /// Nodes whose ranges a constant explains clearly better than any place.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     unexplained: Vec<String>,
+    /// Nodes of which the ranges do not tell how far they are beside their stops.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    beside: Vec<String>,
     /// Whether bias or scale is far beyond what was thought possible.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     is_beyond_prior: bool,
@@ -221,6 +226,7 @@ impl Finding for RangeFit {
             moved_by_direction_m: self.moved_by_direction_m,
             no_distance: self.is_no_distance(),
             unexplained: self.unexplained.clone(),
+            beside: self.beside.clone(),
             is_beyond_prior: self.is_beyond_prior,
             higher_m: self.higher_m,
             ambiguous: self.ambiguous.iter().map(keys_of).collect(),
@@ -232,7 +238,7 @@ impl Finding for RangeFit {
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
         let shares = self.errors.shares();
         let mut text = format!(
-            "{name}: {} to {} in {}: {:.2} ± {:.2} m{} and {:.1} ± {:.1} % too long, noise {:.2} m, nodes differ by {:.2} m",
+            "{name}: {} to {} in {}: on this path {:.2} ± {:.2} m{} and {:.1} ± {:.1} % too long, noise {:.2} m, nodes differ by {:.2} m",
             counted(self.ranges, "range"),
             counted(self.nodes, "node"),
             counted(self.groups, "group"),
@@ -266,6 +272,13 @@ impl Finding for RangeFit {
         } else if !self.unexplained.is_empty() {
             let nodes = listed(&self.unexplained);
             warn(format!("a constant explains the ranges of these nodes better than any place: {nodes}"));
+        }
+        if !self.beside.is_empty() {
+            let nodes = listed(&self.beside);
+            warn(format!(
+                "the ranges do not tell how far these nodes are beside the stops, so their regions are about as wide as their ranges are long: \
+                 {nodes}; ranges from stops beside a straight way would tell"
+            ));
         }
         if let Some(higher_m) = self.higher_m {
             warn(format!(

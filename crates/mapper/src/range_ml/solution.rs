@@ -9,7 +9,7 @@ use super::explained::Explained;
 use super::fit::{Fitted, fitted};
 use super::groups::RangeGroups;
 use super::modes::{least_squares, middle, modes, settled};
-use super::places::{Place, are_two, estimate, places};
+use super::places::{Place, are_two, estimate, longest_m, places, within};
 use super::problem::{BIAS, ERRORS, HeightPrior, NodeMode, NodeState, Point, Problem, Shared, SharedPrior};
 use super::report::RangeFit;
 use super::spread::{ByDirection, autocorrelation_time};
@@ -334,6 +334,7 @@ impl Search<'_> {
             explained: Explained::of(&self.problem, point),
             higher_m: None,
             unexplained: Vec::new(),
+            beside: Vec::new(),
             is_beyond_prior: false,
             settled,
             ambiguous: Vec::new(),
@@ -364,8 +365,8 @@ impl Search<'_> {
             trials.iter().map(|trial| (trial, Place::of_fit(&trial.fitted, number))).collect();
         let here = |place: &Place| places.iter().all(|other| place.apart_m(&places[0]) <= place.apart_m(other));
         let there = || of_trials.iter().filter(|(_, place)| here(place));
-        let error = best(trials).expect("there is a trial").error;
-        let plainest = || there().filter(|(trial, _)| trial.error == error);
+        let best = best(trials).expect("there is a trial");
+        let plainest = || there().filter(|(trial, _)| trial.error == best.error);
         let weight: f64 = plainest().map(|(trial, _)| trial.weight).sum();
         let mean: Vector3<f64> = plainest().map(|(trial, place)| place.place * (trial.weight / weight)).sum();
         let weight: f64 = there().map(|(trial, _)| trial.weight).sum();
@@ -376,7 +377,10 @@ impl Search<'_> {
         }
         let groups = self.problem.groups.of_node(number);
         let (_, usual_m) = middle(groups);
-        estimate(mean, covariance, &places[1..], self.problem.heights, |covariance| {
+        let bias_deviation_m = libm::hypot(best.node_bias_m, best.fitted.bias_deviation_m());
+        let bounded = within(covariance, longest_m(groups, &best.fitted.point.shared, bias_deviation_m));
+        let is_open = bounded != covariance;
+        estimate(mean, bounded, &places[1..], self.problem.heights, |covariance| {
             let plane = covariance.fixed_view::<2, 2>(0, 0).into_owned();
             let widest_m = plane.symmetric_eigenvalues().max().max(0.0).sqrt();
             if groups.len() <= self.problem.heights.least() {
@@ -386,7 +390,7 @@ impl Search<'_> {
             } else if are_two(places) {
                 Some(Concern::TwoPlaces)
             } else {
-                (widest_m > usual_m).then_some(Concern::NoEvidence)
+                (is_open || widest_m > usual_m).then_some(Concern::NoEvidence)
             }
         })
     }

@@ -105,6 +105,31 @@ fn a_straight_way_leaves_two_places_and_a_region_that_holds_both() {
 }
 
 #[test]
+fn a_place_beside_a_straight_way_is_no_farther_than_its_longest_range() {
+    // Before and behind the way, the noise hides how far beside it they are.
+    let nodes: Vec<Position> =
+        (0..6).map(|at_end| at(if at_end < 3 { -2.0 } else { 22.0 } * f64::from(at_end % 3 + 1), 0.5)).collect();
+    let log = log(&nodes, &[at(0.0, 0.0), at(20.0, 0.0)], Errors { noise_m: 1.0, ..Errors::default() });
+    let (map, fit) = map(&log);
+    let longest_m = log.ranges().iter().map(|range| range.range_m).fold(0.0, f64::max);
+    for (estimate, place) in map.estimates.iter().zip(&nodes) {
+        let Estimate { position, covariance, .. } = estimate.as_ref().unwrap();
+        let [[xx, xy, _], [_, yy, _], _] = covariance.unwrap();
+        // Bias and scale may make it a little longer.
+        assert!(xx.max(yy).sqrt() < longest_m + 10.0, "{estimate:?}");
+        let (x, y) = (place.x_m - position.x_m, place.y_m - position.y_m);
+        let distance = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
+        assert!(distance < 6.0, "{estimate:?}");
+    }
+    let fit = fit.unwrap();
+    assert!(!fit.beside.is_empty(), "{:?}", map.estimates);
+    for name in &fit.beside {
+        let node = log.names().iter().position(|other| other == name).unwrap();
+        assert_eq!(map.estimates[node].as_ref().unwrap().concern, Some(Concern::NoEvidence));
+    }
+}
+
+#[test]
 fn a_node_above_a_path_with_heights_is_found_there() {
     let mut corners = loops();
     corners.iter_mut().enumerate().for_each(|(at, corner)| corner.z_m = [0.0, 2.0, 0.5][at % 3]);

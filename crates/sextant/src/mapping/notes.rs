@@ -89,14 +89,16 @@ fn without_place(log: &ReceptionLog, places: &[Option<Position>]) -> Option<Stri
 
 /// The notes on a map of `log`: what is odd in its law and places, and in how it differs from the true places of the nodes.
 ///
-/// The map has its nodes at `places`, and what was estimated with it is `learned`.
+/// The map has its nodes at `places`, and what was estimated with it is `learned`. The path is that of the file `odometry`, if it is
+/// odometry.
 pub(super) fn of_map(
     log: &ReceptionLog,
     places: &[Option<Position>],
     learned: Option<&EstimatorFindings>,
     truth: Option<&[Option<Position>]>,
+    odometry: Option<&str>,
 ) -> Vec<String> {
-    let axes = truth.and_then(|truth| axes(truth, places));
+    let axes = truth.and_then(|truth| axes(truth, places, odometry));
     let findings = doctor::of_map(log, places, learned).into_iter().chain(axes);
     findings.map(|finding| finding.to_string()).chain(without_place(log, places)).collect()
 }

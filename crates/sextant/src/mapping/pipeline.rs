@@ -119,9 +119,9 @@ impl<'a> Stages<'a, '_> {
                 sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;
             }
             if input.recording.is_none() {
-                for note in
-                    notes::of_map(input.log(), &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
-                {
+                let (places, learned) = (computed.map.positions(), computed.learned.as_ref());
+                let odometry = input.odometry.as_deref();
+                for note in notes::of_map(input.log(), &places, learned, truth.as_deref(), odometry) {
                     if !found.contains(&note) {
                         found.push(note);
                     }

@@ -21,9 +21,14 @@ const SAME: f64 = 1.25;
 /// An axis is turned onto another if the cosine between them is at least this.
 const ALONG: f64 = 0.94;
 
-/// What is odd if a similarity brings the mapped `places` far closer to `truth`, both by node. In the plane.
+/// What is odd if a similarity brings the mapped `places` far closer to `truth`, both by node. In the plane. If the path is the odometry
+/// of a file with the name `odometry`, its drift may be why.
 #[must_use]
-pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> Option<Finding> {
+pub(crate) fn axes(
+    truth: &[Option<Position>],
+    places: &[Option<Position>],
+    odometry: Option<&str>,
+) -> Option<Finding> {
     let flat = |place: Position| Position::new(place.x_m, place.y_m, 0.0);
     let pair = |(truth, place): (&Option<Position>, &Option<Position>)| Some((flat((*place)?), flat((*truth)?)));
     let pairs: Vec<(Position, Position)> = truth.iter().zip(places).filter_map(pair).collect();
@@ -50,6 +55,16 @@ pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> O
     let apart_m = apart.length_m() / pairs.len() as f64;
     let is_moved = apart_m >= APART_M.max(APART * after_m);
     let (what, remedy) = described(&best, is_moved.then_some(apart_m))?;
+    // Drift turns and moves a map, and neither mirrors it nor changes its unit.
+    let drift = odometry.filter(|_| !mirrors(&best) && is_near(best.scale, 1.0));
+    let cost = "the errors against the true positions are those of the axes, not of the map".to_owned();
+    let (cost, remedy) = match drift {
+        None => (cost, remedy),
+        Some(name) => (
+            format!("if so, {cost}; but the path is the odometry of {name}, whose drift turns and moves a map alike"),
+            format!("{remedy}; or take the drift off (`estimate_path`, with places of nodes in `known`)"),
+        ),
+    };
     Some(Finding {
         check: "axes",
         odd: format!(
@@ -57,7 +72,7 @@ pub(crate) fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> O
              {after_m:.2} m in the median of {} nodes)",
             pairs.len()
         ),
-        cost: "the errors against the true positions are those of the axes, not of the map".to_owned(),
+        cost,
         remedy,
     })
 }
@@ -69,6 +84,11 @@ fn spread_m(pairs: &[(Position, Position)]) -> f64 {
     let mut away: Vec<f64> = pairs.iter().map(|(_, truth)| truth.distance_m(middle)).collect();
     away.sort_by(f64::total_cmp);
     away[away.len() / 2]
+}
+
+/// Whether two scales are one.
+fn is_near(value: f64, of: f64) -> bool {
+    value / of < SAME && of / value < SAME
 }
 
 fn mirrors(similarity: &Similarity) -> bool {
@@ -103,7 +123,6 @@ fn described(similarity: &Similarity, apart_m: Option<f64>) -> Option<(String, S
         (degrees.abs() > 15.0).then_some(("one is turned against the other", "turn the places into one frame"))
     };
     let scale = similarity.scale;
-    let is_near = |value: f64, of: f64| value / of < SAME && of / value < SAME;
     let units = if is_near(scale, 1.0) {
         None
     } else {
@@ -161,10 +180,14 @@ mod tests {
     }
 
     fn told(change: impl Fn(Position) -> Position) -> Option<Finding> {
+        told_of(None, change)
+    }
+
+    fn told_of(odometry: Option<&str>, change: impl Fn(Position) -> Position) -> Option<Finding> {
         let nodes = nodes();
         let truth: Vec<_> = nodes.iter().map(|(truth, _)| Some(*truth)).collect();
         let places: Vec<_> = nodes.iter().map(|&(truth, error)| Some(change(truth + error))).collect();
-        axes(&truth, &places)
+        axes(&truth, &places, odometry)
     }
 
     #[test]
@@ -194,6 +217,21 @@ mod tests {
     fn origins_are_told_only_if_they_are_clearly_apart() {
         assert_eq!(told(|at| at + Position::new(0.6, 0.6, 0.0)), None, "less than a metre");
         assert!(told(|at| at + Position::new(3.0, 3.0, 0.0)).is_some());
+    }
+
+    #[test]
+    fn odometry_that_drifts_may_be_what_turns_and_moves_a_map() {
+        let turned = |at: Position| Position::new(0.8 * at.x_m - 0.6 * at.y_m, 0.6 * at.x_m + 0.8 * at.y_m, 0.0);
+        let moved = |at: Position| at + Position::new(40.0, 30.0, 0.0);
+        for change in [turned as fn(Position) -> Position, moved] {
+            let sure = told(change).unwrap();
+            assert!(!sure.cost.starts_with("if so") && !sure.remedy.contains("`estimate_path`"), "{sure}");
+            let doubtful = told_of(Some("odometry.csv"), change).unwrap();
+            assert!(doubtful.cost.starts_with("if so") && doubtful.remedy.contains("`estimate_path`"), "{doubtful}");
+        }
+        // No drift swaps axes.
+        let swapped = |at: Position| Position::new(at.y_m, at.x_m, 0.0);
+        assert_eq!(told_of(Some("odometry.csv"), swapped), told(swapped));
     }
 
     #[test]

@@ -12,6 +12,8 @@ use super::NextSettings;
 const PAUSE: f64 = 5.0;
 /// The speed of a robot of whose time nothing is known (m/s).
 const ASSUMED_M_PER_S: f64 = 0.5;
+/// What is a smaller share of all of the time is left by rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// How fast a robot drives and how long it listens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -57,10 +59,17 @@ impl Pace {
         let (given_speed, given_listen) = (next.speed_m_per_s, next.listen_s);
         let (told_speed, told_listen) = tell(&usual, given_speed, given_listen);
         let (speed_m_per_s, speed_from) = source(given_speed, told_speed, ASSUMED_M_PER_S);
+        // Whoever drives at a speed that is assumed listens for the rest of the time.
+        let (_, told_listen) = match speed_from {
+            PaceSource::Assumed => tell(&usual, Some(speed_m_per_s), given_listen),
+            PaceSource::Settings | PaceSource::Log => (told_speed, told_listen),
+        };
         let (listen_s, listen_from) = source(given_listen, told_listen, 0.0);
         if speed_from == PaceSource::Assumed {
             let beside = given_listen.map_or(String::new(), |listen_s| format!(" beside {listen_s} s of listening"));
-            notes.push(format!("the times of the stops tell no speed{beside}: it is taken as {ASSUMED_M_PER_S} m/s"));
+            notes.push(format!(
+                "the times of the stops tell no speed{beside}: it is taken as {ASSUMED_M_PER_S} m/s (option `speed` sets it)"
+            ));
         } else if listen_from == PaceSource::Assumed {
             notes.push("the times of the stops tell no time of listening: it is taken as 0 s".to_owned());
         }
@@ -112,7 +121,8 @@ fn tell(legs: &[[f64; 2]], speed_m_per_s: Option<f64>, listen_s: Option<f64>) ->
         (None, None) => fit(legs).unzip(),
         (None, Some(listen_s)) => {
             let driving = time - count * listen_s;
-            ((way > 0.0 && driving > 0.0).then(|| way / driving), None)
+            // What is left by rounding is no driving.
+            ((way > 0.0 && driving > ROUNDING * time).then(|| way / driving), None)
         }
         (Some(speed), None) => (None, (time > 0.0).then(|| ((time - way / speed) / count).max(0.0))),
         (Some(_), Some(_)) => (None, None),
@@ -120,21 +130,33 @@ fn tell(legs: &[[f64; 2]], speed_m_per_s: Option<f64>, listen_s: Option<f64>) ->
 }
 
 /// Speed and time of listening by the least squares of `time = listening + way / speed` over legs of ways and times; all of the time
-/// is driving if the legs do not tell both apart. `None` if they have no times.
+/// is driving if the legs are of one length, which does not tell both apart. `None` if they have no times, or if longer legs do not
+/// clearly take longer, as where a table has a stop each ten seconds.
 fn fit(legs: &[[f64; 2]]) -> Option<(f64, f64)> {
+    /// Ways of less spread than this share of their squares are of one length.
+    const SPREAD: f64 = 1e-3;
+    /// Longer legs take clearly longer if they do by so many standard errors.
+    const CLEAR: f64 = 2.0;
     let count = legs.len() as f64;
-    let sum = |of: fn(&[f64; 2]) -> f64| legs.iter().map(of).sum::<f64>();
-    let (way, time) = (sum(|leg| leg[0]), sum(|leg| leg[1]));
+    let sum = |of: &dyn Fn(&[f64; 2]) -> f64| legs.iter().map(of).sum::<f64>();
+    let (way, time) = (sum(&|leg| leg[0]), sum(&|leg| leg[1]));
     if time <= 0.0 || way <= 0.0 {
         return None;
     }
-    let (square, product) = (sum(|leg| leg[0] * leg[0]), sum(|leg| leg[0] * leg[1]));
+    let square = sum(&|leg| leg[0] * leg[0]);
     let spread = square - way * way / count;
-    let slowness = (product - way * time / count) / spread;
+    if spread <= SPREAD * square {
+        return Some((way / time, 0.0));
+    }
+    let slowness = (sum(&|leg| leg[0] * leg[1]) - way * time / count) / spread;
     let listen_s = (time - slowness * way) / count;
-    // What is left by rounding is no listening.
-    let is_told = spread > 1e-3 * square && slowness > 0.0 && listen_s * count > 1e-6 * time;
-    Some(if is_told { (1.0 / slowness, listen_s) } else { (way / time, 0.0) })
+    let squared_errors = sum(&|leg| (leg[1] - listen_s - slowness * leg[0]).powi(2));
+    let error = (squared_errors / (count - 2.0).max(1.0) / spread).sqrt();
+    let is_told = slowness > CLEAR * error && slowness * way > ROUNDING * time;
+    is_told.then(|| match listen_s * count > ROUNDING * time {
+        true => (1.0 / slowness, listen_s),
+        false => (way / time, 0.0),
+    })
 }
 
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -188,6 +210,32 @@ mod tests {
         assert_eq!(all.to_string(), "0.20 m/s and 0.0 s of listening, as in the log");
         assert_eq!(listening.to_string(), "1.00 m/s (as in the log) and 8.0 s of listening (as given)");
         assert!(notes.is_empty(), "{notes:?}");
+    }
+
+    #[test]
+    fn stops_at_regular_times_tell_no_speed() {
+        let ways = [2.9, 3.1, 3.4, 2.7, 3.05, 2.6];
+        // Once exactly each ten seconds, and once by clocks that are a little off.
+        for jitter_s in [0.0, 0.3] {
+            let times = [0.2, -1.0, 0.4, 0.9, -0.7, 0.1].map(|off| 10.0 + jitter_s * off);
+            let legs: Vec<[f64; 2]> = ways.into_iter().zip(times).map(|(way_m, time_s)| [way_m, time_s]).collect();
+            assert_eq!(fit(&legs), None, "{jitter_s}");
+        }
+        let mut at_m = 0.0;
+        let stop = |(step, way_m): (u64, f64)| {
+            at_m += way_m;
+            Stop { time: SimTime::from_secs(10 * step), ..Stop::at(Position::new(at_m, 0.0, 0.0)) }
+        };
+        let stops = (0..).zip([0.0].into_iter().chain(ways)).map(stop).collect();
+        let log = ReceptionLog::new(vec!["n".to_owned()], stops, Vec::new(), Vec::new()).unwrap();
+        let mut notes = Vec::new();
+        let pace = Pace::new(&log, RobotId(0), &NextSettings::default(), &mut notes);
+        assert_eq!(pace.to_string(), "0.50 m/s (as assumed) and 4.1 s of listening (as in the log)");
+        assert!(notes.len() == 1 && notes[0].contains("tell no speed") && notes[0].contains("`speed`"), "{notes:?}");
+        // Nor is it the rest of the time beside a time of listening that is all of it.
+        let listening = NextSettings { listen_s: Some(10.0 - 1e-12), ..NextSettings::default() };
+        let pace = Pace::new(&log, RobotId(0), &listening, &mut notes);
+        assert_eq!(pace.speed_from, PaceSource::Assumed, "{pace}");
     }
 
     #[test]

@@ -131,7 +131,7 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
             }
             Concern::Unsettled => "more rounds or more stops would tell where they are",
             Concern::NoEvidence => {
-                "stops where they are heard and others where they are not would tell where they are"
+                "stops where they are heard and others where they are not would tell where they are; of ranges, stops all round them"
             }
             Concern::TwoPlaces => {
                 "on a straight way they are mirror images, which a stop beside it or a `z_range_m` of heights tells apart; on others the \

@@ -3,11 +3,14 @@
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SettingError, Watch};
 
-use crate::comparators::lateration::{LaterationError, Range, locate_by_differences, multilaterate};
+use crate::comparators::lateration::{
+    LaterationError, Range, differences_tell_distance, locate_by_differences, multilaterate,
+};
 use crate::comparators::{Comparator, node_by_node};
 use crate::error::MapError;
 use crate::estimator::{AnyLog, EstimatorSettings, Mapper};
 use crate::knowledge::{Knowledge, KnowledgeKind};
+use crate::posterior::Concern;
 use crate::topology_map::{CoordinateFrame, TopologyMap};
 
 /// Lateration as written in a scenario. It has no settings.
@@ -34,10 +37,13 @@ pub struct TimeDifference;
 /// How ranges place a node in two or three dimensions.
 type Locate = fn(&[Range], usize) -> Result<Position, LaterationError>;
 
+/// Whether ranges tell a place that was found in two or three dimensions.
+type Tells = fn(&[Range], usize, Position) -> bool;
+
 /// The map of the nodes of a log by `locate`. Nodes with too few ranges are not placed.
 fn map_by_ranges(
     algorithm: &'static str,
-    locate: Locate,
+    (locate, tells): (Locate, Tells),
     knowledge: &Knowledge<'_>,
     watch: &dyn Watch,
 ) -> Result<TopologyMap, MapError> {
@@ -53,17 +59,25 @@ fn map_by_ranges(
     let is_level = log.ranges().iter().all(|range| (range.position.z_m - level_m).abs() <= 1e-9);
     let dimensions = if is_level { 2 } else { 3 };
     let operations = log.ranges().len() as f64 / log.node_count().max(1) as f64;
-    let places = node_by_node(algorithm, log.node_count(), operations, watch, |node| {
+    let ranges = |node: usize| -> Vec<Range> {
         let samples = log.ranges_to(NodeId::from_index(node));
-        let ranges: Vec<Range> = samples.iter().map(|range| Range::new(range.position, range.range_m)).collect();
-        locate(&ranges, dimensions).ok()
-    })?;
-    Ok(TopologyMap::of_places(algorithm, places, CoordinateFrame::World))
+        samples.iter().map(|range| Range::new(range.position, range.range_m)).collect()
+    };
+    let places =
+        node_by_node(algorithm, log.node_count(), operations, watch, |node| locate(&ranges(node), dimensions).ok())?;
+    let mut map = TopologyMap::of_places(algorithm, places, CoordinateFrame::World);
+    for (node, estimate) in map.estimates.iter_mut().enumerate() {
+        if let Some(estimate) = estimate {
+            let is_told = tells(&ranges(node), dimensions, estimate.position);
+            estimate.concern = (!is_told).then_some(Concern::NoEvidence);
+        }
+    }
+    Ok(map)
 }
 
 /// An estimator by measured ranges.
 macro_rules! by_ranges {
-    ($estimator:ident, $config:ident, $name:literal, $rank:literal, $locate:path, $description:literal) => {
+    ($estimator:ident, $config:ident, $name:literal, $rank:literal, $locate:path, $tells:expr, $description:literal) => {
         impl Comparator for $estimator {
             const NAME: &'static str = $name;
 
@@ -72,7 +86,7 @@ macro_rules! by_ranges {
             }
 
             fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
-                map_by_ranges(Self::NAME, $locate, knowledge, watch)
+                map_by_ranges(Self::NAME, ($locate, $tells), knowledge, watch)
             }
         }
 
@@ -93,6 +107,7 @@ by_ranges!(
     "time-of-arrival",
     11,
     multilaterate,
+    |_, _, _| true,
     "Least squares on measured ranges, which are taken to be right on average"
 );
 by_ranges!(
@@ -101,6 +116,7 @@ by_ranges!(
     "time-difference",
     12,
     locate_by_differences,
+    differences_tell_distance,
     "Least squares on the differences of measured ranges, of which all of a node may be wrong by one length"
 );
 
@@ -133,6 +149,7 @@ mod tests {
             let off = |mapper: Mapper, longer_m: f64| {
                 let map = mapper.map(&log(node, longer_m, up_m)).unwrap();
                 assert_eq!(map.unmapped(), 1);
+                assert_eq!(map.estimates[0].as_ref().unwrap().concern, None);
                 map.positions()[0].unwrap().distance_m(node)
             };
             assert!(off(Mapper::new(TimeOfArrival), 0.0) < 1e-6);
@@ -140,6 +157,27 @@ mod tests {
             assert!(off(Mapper::new(TimeDifference), 0.0) < 1e-6);
             assert!(off(Mapper::new(TimeDifference), 25.0) < 1e-6);
         }
+    }
+
+    #[test]
+    fn a_place_far_beyond_all_stops_has_no_evidence() {
+        // On a way that is nearly straight, ranges that grow by as much as the robot drives are those of any far place ahead.
+        let sample = |i: u32| {
+            let along = f64::from(i);
+            RangeSample {
+                time: SimTime::from_nanos(u64::from(i)),
+                ..RangeSample::of(
+                    NodeId(0),
+                    Position::new(along, 0.01 * f64::from(i % 3), 0.0),
+                    40.0 + 0.999 * along + 0.1 * f64::from(i % 2),
+                )
+            }
+        };
+        let stop = Stop::at(Position::ORIGIN);
+        let log = ReceptionLog::new(vec!["n0".into()], vec![stop], vec![], vec![]).unwrap();
+        let log = log.with_ranges((0..30).map(sample).collect()).unwrap();
+        let map = Mapper::new(TimeDifference).map(&log).unwrap();
+        assert_eq!(map.estimates[0].as_ref().unwrap().concern, Some(Concern::NoEvidence), "{:?}", map.estimates[0]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ mod triangulation;
 
 pub use angulation::{Bearing, MeasuredAngle, angulate};
 pub use multilateration::{Range, multilaterate, multilaterate_linear, refine, trilaterate};
-pub use time_difference::locate_by_differences;
+pub use time_difference::{differences_tell_distance, locate_by_differences};
 pub use triangulation::triangulate;
 
 use crate::numerics::least_squares::Damping;

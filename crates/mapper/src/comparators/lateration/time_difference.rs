@@ -25,6 +25,27 @@ pub fn locate_by_differences(ranges: &[Range], dimensions: usize) -> Result<Posi
     Ok(Position::new(x, y, z))
 }
 
+/// Whether differences of ranges tell how far `place` is. One that is twice as far from the middle of the anchors fits clearly worse
+/// then; beside a straight way and far from all anchors, none does.
+#[must_use]
+pub fn differences_tell_distance(ranges: &[Range], dimensions: usize, place: Position) -> bool {
+    /// The squares of the errors grow by so many times their variance: two standard deviations.
+    const CLEAR: f64 = 4.0;
+    let weight: f64 = ranges.iter().map(|range| range.weight).sum();
+    let middle =
+        ranges.iter().fold(Position::ORIGIN, |sum, range| sum + range.anchor * range.weight) * (1.0 / weight);
+    let problem = Differences { ranges, dimensions };
+    let squares = |place: Position| {
+        let at = Vector4::new(place.x_m, place.y_m, place.z_m, 0.0);
+        let length_m =
+            -ranges.iter().map(|range| range.weight * problem.residual(&at, range).0).sum::<f64>() / weight;
+        problem.cost(&Vector4::new(place.x_m, place.y_m, place.z_m, length_m))
+    };
+    let near = squares(place);
+    let freedom = ranges.len().saturating_sub(dimensions + 1).max(1) as f64;
+    squares(middle + (place - middle) * 2.0) - near > CLEAR * near / freedom
+}
+
 /// Place and length by linear least squares.
 fn linear(ranges: &[Range], dimensions: usize) -> Result<Vector4<f64>, LaterationError> {
     let Some((last, others)) = ranges.split_last().filter(|(_, others)| others.len() > dimensions) else {
@@ -150,6 +171,21 @@ mod tests {
             assert!(cost(found) < cost(found + step));
         }
         assert!(found.distance_m(node) < 1.0);
+    }
+
+    #[test]
+    fn differences_tell_the_distance_of_near_places_and_not_of_those_far_from_all_anchors() {
+        let told = |node: Position, place: Option<Position>| {
+            let mut all = ranges(3, 30, 0.0, node, 5.0);
+            for (i, range) in (0..).zip(&mut all) {
+                range.distance_m += 0.2 * Seed(3).normal(Purpose::new(8), [i, 9, 0]);
+            }
+            let place = place.unwrap_or_else(|| locate_by_differences(&all, 2).unwrap());
+            differences_tell_distance(&all, 2, place)
+        };
+        assert!(told(Position::new(3.0, 8.0, 0.0), None) && told(Position::new(14.0, -9.0, 0.0), None));
+        let far = Position::new(150_000.0, 90_000.0, 0.0);
+        assert!(!told(far, Some(far)));
     }
 
     #[test]

@@ -144,7 +144,7 @@ fn tracked_as_given(
                 drift: border.odometry_drift(),
             })
         };
-        FACTORS.map(|factor| driven(settings.odometry.times(factor))).to_vec()
+        FACTORS.map(|factor| driven(settings.odometry.wandering(factor))).to_vec()
     } else {
         ACCELERATIONS.map(|acceleration| Motion::Free(FreeMotion { steps_s: &steps_s, acceleration })).to_vec()
     };
