@@ -1,6 +1,5 @@
 //! Logs.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -10,7 +9,7 @@ use pyo3::types::PyDict;
 use sextant::channel::{Reception, ReceptionLog};
 use sextant::kernel::SimTime;
 use sextant::logs::doctor::Finding;
-use sextant::logs::{self, ReadOptions, RobotLog, Source};
+use sextant::logs::{self, ReadOptions, RobotFrames, RobotLog, Source};
 use sextant::mapping::{self, Input};
 use sextant::scenario::AlgorithmName;
 use sextant::summary::Stopwatch;
@@ -97,10 +96,9 @@ impl Log {
         if self.findings.get().is_none() {
             let input = &self.origin.input;
             let (log, plane) = (input.log().clone(), input.plane);
-            let (notes, findings) = (Vec::new(), self.seen.clone());
-            let read =
-                RobotLog { log, plane, notes, findings, clock: None, middles: BTreeMap::new(), odometry: None };
-            let examined = supervised(py, None, None, |_| logs::examine(read))?;
+            let (notes, findings, middles) = (Vec::new(), self.seen.clone(), input.middles.clone());
+            let read = RobotLog { log, plane, notes, findings, clock: None, middles, odometry: None };
+            let examined = supervised(py, None, None, |_| logs::examine(read, RobotFrames::Shared))?;
             // Another thread may have been faster, with the same result.
             let _ = self.findings.set(examined.findings.iter().map(ToString::to_string).collect());
         }

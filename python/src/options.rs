@@ -24,7 +24,8 @@ pub(crate) fn read_options(keywords: &Bound<'_, PyDict>) -> PyResult<ReadOptions
             return Ok(());
         }
         let given = Keyword { name: &name, value };
-        let ReadOptions { stop_every, packet_interval_s, form, repair, bag, sniffer } = &mut options;
+        // Robots of a log that Python reads have one frame.
+        let ReadOptions { stop_every, packet_interval_s, form, repair, bag, sniffer, frames: _ } = &mut options;
         match name.as_str() {
             "stop_every" => *stop_every = given.parsed()?,
             "packet_interval" => {

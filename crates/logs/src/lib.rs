@@ -64,6 +64,7 @@ pub use options::noise_floor::NoiseFloor;
 pub use options::packet_delay::PacketDelay;
 pub use options::read_options::{ReadOptions, StopRule};
 pub use options::repair_options::RepairOptions;
+pub use options::robot_frames::RobotFrames;
 pub use options::sniffer_options::{FcsField, SnifferOptions};
 pub use packets::gatherer::Gatherer;
 pub use packets::packet::Packet;

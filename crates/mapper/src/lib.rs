@@ -130,7 +130,8 @@ pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};
 pub use stitch::{
     FrameAgreement, FrameChange, FrameCovariance, Frames, Handedness, JoinedFrame, OwnMap, PairFault, PairFit,
-    PairState, PlacedNode, RobotFrame, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, stitch,
+    PairState, PlacedNode, RobotFrame, RobotOutcome, StitchConfig, StitchRules, Stitched, Stitching, moved_log,
+    stitch,
 };
 pub use surface::Surface;
 pub use survey_frame::{Axes, SurveyFrame};

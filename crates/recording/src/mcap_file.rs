@@ -115,7 +115,7 @@ pub fn scan<E: From<McapFileError>>(
     let failed = |why: std::io::Error| unreadable(why.to_string());
     let file = File::open(path).map_err(failed)?;
     if file.metadata().map_err(failed)?.is_dir() {
-        return Err(unreadable("it is a folder".to_owned()));
+        return Err(unreadable("it is a folder; a recording is one file (MCAP)".to_owned()));
     }
     let mut source = BufReader::new(file);
     let options = LinearReaderOptions::default()

@@ -1,12 +1,13 @@
 //! The maps that `sextant map` computes from a log.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
 use sextant_channel::ObstacleField;
 use sextant_kernel::Files;
-use sextant_kernel::text::{choices, shortened};
+use sextant_kernel::text::{choices, listed, shortened};
 use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
 
 use super::check::errors::Errors;
@@ -144,8 +145,7 @@ impl MapSettings {
             replace_profiles(&mut document, profile)?;
         }
         for setting in set {
-            check_table(setting)?;
-            document.lay_setting("setting", setting, Path::new(""))?;
+            document.lay_setting("setting", &whole_setting(setting, &document)?, Path::new(""))?;
         }
         let mut config: ScenarioConfig = deserialize(&document)?;
         let is_joint = |map: &MapConfig| map.algorithm.networks().is_some();
@@ -189,14 +189,33 @@ fn document(
     Ok(document)
 }
 
-/// Refuses a setting on which no map depends.
-fn check_table(setting: &str) -> Result<(), ScenarioError> {
+/// The setting with its whole key: if there is one map, what its estimator has may be named alone, or from `algorithm` on.
+fn whole_setting<'a>(setting: &'a str, document: &Document) -> Result<Cow<'a, str>, ScenarioError> {
     let table = setting.split(['.', '=']).next().unwrap_or_default().trim();
     if TABLES.contains(&table) {
-        return Ok(());
+        return Ok(Cow::Borrowed(setting));
     }
+    let config: ScenarioConfig = deserialize(document)?;
+    let of_map = |(number, map): (usize, &MapConfig)| match table {
+        "algorithm" => format!("maps.{number}.{}", setting.trim_start()),
+        _ => format!("maps.{number}.algorithm.{}.{}", map.algorithm.key(), setting.trim_start()),
+    };
+    let whole: Vec<String> = config.maps.iter().enumerate().map(of_map).collect();
+    let is_known = |whole: &str| {
+        let mut tried = document.clone();
+        let is_read = tried.lay_setting("setting", whole, Path::new("")).is_ok();
+        is_read && deserialize::<ScenarioConfig>(&tried).is_ok()
+    };
+    match &whole[..] {
+        [alone] if is_known(alone) => return Ok(Cow::Owned(alone.clone())),
+        _ => {}
+    }
+    let key = |whole: &String| format!("`{}`", shortened(whole.split('=').next().unwrap_or_default().trim_end()));
+    let whole: Vec<String> = whole.iter().map(key).collect();
     let message = format!("setting `{}`: no map depends on `{}`", shortened(setting), shortened(table));
-    Err(ScenarioError::new(message).help(format!("maps depend on {}", choices(&TABLES))))
+    let help =
+        format!("maps depend on {}; if an estimator has it, its whole key is {}", choices(&TABLES), listed(&whole));
+    Err(ScenarioError::new(message).help(help))
 }
 
 /// Replaces the reception profile of every map that has one by `profile`.
@@ -378,7 +397,25 @@ mod tests {
             let refused = MapSettings::new(None, None, None, None, &[setting.to_owned()]).unwrap_err().to_string();
             assert!(refused.contains(&format!("no map depends on `{table}`")), "{refused}");
         }
+        let refused = MapSettings::new(None, None, None, None, &["seed=3".to_owned()]).unwrap_err();
+        assert!(format!("{refused:?}").contains("its whole key is `maps.0.algorithm.auto.seed`"), "{refused:?}");
         let keys = schema();
         assert!(TABLES.iter().all(|table| keys["properties"].get(table).is_some()));
+    }
+
+    #[test]
+    fn what_the_estimator_of_one_map_has_may_be_set_alone() {
+        let mapper = |set: &str| {
+            let set = [set.to_owned()];
+            MapSettings::new(None, None, None, None, &set).unwrap().maps[0].mapper.clone()
+        };
+        let whole = mapper("maps.0.algorithm.auto.z_range_m=[0,3]");
+        assert_ne!(mapper("maps.0.algorithm.auto={}"), whole);
+        for short in ["z_range_m=[0,3]", " z_range_m = [0, 3]", "algorithm.auto.z_range_m=[0,3]"] {
+            assert_eq!(mapper(short), whole, "{short}");
+        }
+        // A value that is not allowed is told with the whole key.
+        let refused = MapSettings::new(None, None, None, None, &["z_range_m=3".to_owned()]).unwrap_err();
+        assert!(format!("{refused:?}").contains("`maps.0.algorithm.auto.z_range_m`"), "{refused:?}");
     }
 }

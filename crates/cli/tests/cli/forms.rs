@@ -61,7 +61,7 @@ fn rows_of_a_wide_table_at_one_place_are_scans_of_a_stop() {
             "wide.csv: 3 rows are scans at 2 places; those at one place are one stop",
             "wide.csv: 4 of 9 cells say that a node was not heard, and 1 empty ones say nothing (option `missing` sets what they \
              hold)",
-            "wide.csv has no times (t_s): the duration of the survey is unknown"
+            "no times (t_s) in wide.csv: the duration of the survey is unknown"
         ]
     );
 }

@@ -130,35 +130,60 @@ fn who_does_not_know_the_word_in_the_address_gets_nothing() {
     assert_eq!(page.child.wait().unwrap().code(), Some(130));
 }
 
-#[test]
-fn a_log_that_grows_is_mapped_again_and_what_changed_is_told() {
-    let folder = TempDir::new().unwrap();
-    let log = folder.path().join("log");
-    fs::create_dir(&log).unwrap();
-    let (mut stops, mut heard) = ("stop,x_m,y_m\n".to_owned(), "node,stop,rssi_dbm\n".to_owned());
-    let mut drive = |from: u32, to: u32| {
-        for stop in from..to {
-            let (x_m, y_m) = (f64::from(stop % 6) * 2.0, f64::from(stop / 6) * 2.0);
-            stops += &format!("{stop},{x_m},{y_m}\n");
-            for (node, at) in [("lamp", [3.0, 1.0]), ("door", [8.0, 9.0])] {
-                let far_m = libm::hypot(x_m - at[0], y_m - at[1]).max(0.5);
-                if far_m < 8.0 {
-                    heard += &format!("{node},{stop},{:.1}\n", -50.0 - 20.0 * libm::log10(far_m));
-                }
+/// The files of a log of `lamp` and `door` at its first `stops` of 36.
+fn write_log(log: &Path, stops: u32) {
+    let (mut places, mut heard) = ("stop,x_m,y_m\n".to_owned(), "node,stop,rssi_dbm\n".to_owned());
+    for stop in 0..stops {
+        let (x_m, y_m) = (f64::from(stop % 6) * 2.0, f64::from(stop / 6) * 2.0);
+        places += &format!("{stop},{x_m},{y_m}\n");
+        for (node, at) in [("lamp", [3.0, 1.0]), ("door", [8.0, 9.0])] {
+            let far_m = libm::hypot(x_m - at[0], y_m - at[1]).max(0.5);
+            if far_m < 8.0 {
+                heard += &format!("{node},{stop},{:.1}\n", -50.0 - 20.0 * libm::log10(far_m));
             }
         }
-        fs::write(log.join("stops.csv"), &stops).unwrap();
-        fs::write(log.join("receptions.csv"), &heard).unwrap();
-    };
-    drive(0, 12);
+    }
+    fs::write(log.join("stops.csv"), &places).unwrap();
+    fs::write(log.join("receptions.csv"), &heard).unwrap();
+}
+
+/// `sextant map --follow` of a log.
+fn follow(log: &Path) -> Command {
     let mut command = sextant();
-    command.arg("map").arg(&log).args(["--follow", "--port", "0"]);
+    command.arg("map").arg(log).args(["--follow", "--port", "0"]);
     command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped());
-    let mut page = Page::of(&mut command);
+    command
+}
+
+#[test]
+fn what_changed_is_told_on_the_terminal_while_no_browser_looks() {
+    let log = TempDir::new().unwrap();
+    write_log(log.path(), 12);
+    let mut page = Page::of(&mut follow(log.path()));
+    let mut told = |start: &str| {
+        let mut line = String::new();
+        while !line.starts_with(start) {
+            line.clear();
+            assert!(page.stderr.read_line(&mut line).unwrap() > 0, "it ended before `{start}`");
+        }
+    };
+    told("12 stops, ");
+    write_log(log.path(), 36);
+    told("36 stops, 2 nodes on the map");
+    signal(&page.child, "-INT");
+    assert_eq!(page.child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn a_log_that_grows_is_mapped_again_and_what_changed_is_told() {
+    let log = TempDir::new().unwrap();
+    let log = log.path();
+    write_log(log, 12);
+    let mut page = Page::of(&mut follow(log));
     let first = page.eventually(|state| state["document"] == 1);
     assert!(first["news"].as_str().unwrap().starts_with("12 stops, "), "{first}");
     assert_eq!(first["pace"], Value::Null);
-    drive(12, 36);
+    write_log(log, 36);
     let later =
         page.eventually(|state| state["news"].as_str().is_some_and(|news| news.starts_with("36 stops, 2 nodes")));
     assert!(later["news"].as_str().unwrap().contains("moved by"), "{later}");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sextant_kernel::text::choices;
+use sextant_kernel::text::{choices, shortened};
 
 use crate::error::log_part::LogPart;
 use crate::options::field_names::FieldNames;
@@ -99,7 +99,7 @@ impl Header {
                 "column `{missing}` is missing; {} the columns: {}{}",
                 must_have(part),
                 required.join(","),
-                given.hint(missing, "NAME")
+                given.hint(missing, "NAME") + &hint_of_values(&written)
             ));
         }
         Ok(Self { columns, written, given: given.clone(), ignored })
@@ -112,7 +112,7 @@ impl Header {
 
     /// How the user can say that a column with another name is the known one `key`.
     pub(crate) fn hint(&self, key: &str) -> String {
-        self.given.hint(key, "NAME")
+        self.given.hint(key, "NAME") + &hint_of_values(&self.written)
     }
 
     /// The names as written.
@@ -214,6 +214,16 @@ fn look_alike<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
         meant == Some(*candidate) || name.len() >= 3 && strsim::damerau_levenshtein(&name, candidate) <= 1
     };
     absent.iter().copied().find(is_near)
+}
+
+/// What to tell of a first line that holds values and no names: it has digits and no letters.
+fn hint_of_values(written: &[String]) -> String {
+    let has = |of: fn(char) -> bool| written.iter().any(|cell| cell.contains(of));
+    if has(char::is_alphabetic) || !has(|letter| letter.is_ascii_digit()) {
+        return String::new();
+    }
+    let line = shortened(&written.join(",")).into_owned();
+    format!("; the first line, `{line}`, holds values and no names: write the names of the columns above it")
 }
 
 #[cfg(test)]

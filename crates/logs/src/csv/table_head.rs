@@ -143,7 +143,14 @@ impl Head {
                 };
                 format!("{len} cells, but the header has {expected_len} columns{hint}")
             }
-            csv::ErrorKind::Utf8 { .. } => "not UTF-8 text".to_owned(),
+            csv::ErrorKind::Utf8 { err, .. } => {
+                let column = self.header.all_written().get(err.field());
+                let cell =
+                    column.map_or_else(|| "a cell".to_owned(), |column| format!("the cell of column `{column}`"));
+                format!(
+                    "{cell} is not UTF-8 text; from Latin-1, `iconv -f ISO-8859-1 -t UTF-8 FILE > NEW.csv` saves the file as UTF-8"
+                )
+            }
             _ => why.to_string(),
         };
         self.wrong_row(offset, problem)

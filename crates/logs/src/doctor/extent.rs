@@ -2,6 +2,7 @@
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
+use sextant_kernel::text::counted;
 
 use super::finding::Finding;
 use crate::place::distance::plane_m;
@@ -18,6 +19,9 @@ const MOST_DBM: f64 = 40.0;
 const STRONGEST: usize = 50;
 /// So many nodes must agree, or all.
 const LEAST_NODES: usize = 3;
+/// And one in so many of them. Most nodes of a large log are hotspots of passers-by, heard at few stops, which tell no unit; one or
+/// two that are heard everywhere are those that the surveyor carries.
+const ONE_IN: usize = 30;
 
 /// What is odd of the units of places.
 pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
@@ -48,41 +52,51 @@ fn too_small(log: &ReceptionLog) -> Option<Finding> {
 }
 
 fn too_large(log: &ReceptionLog) -> Option<Finding> {
-    let Needed { power_dbm, strength_dbm, apart_m } = Needed::of_usual_node(log)?;
-    (power_dbm > MOST_DBM).then(|| Finding {
+    let all = Needed::of_nodes(log);
+    let least = LEAST_NODES.min(log.node_count()).max(all.len().div_ceil(ONE_IN));
+    let strong: Vec<&Needed> = all.iter().filter(|needed| needed.power_dbm > MOST_DBM).collect();
+    let Needed { node, power_dbm, strength_dbm, apart_m } = strong.last().filter(|_| strong.len() >= least)?;
+    let are = if strong.len() == 1 { "is" } else { "are" };
+    Some(Finding {
         check: "extent",
         odd: format!(
-            "the usual node is heard with {strength_dbm:.0} dBm or more at two places {apart_m:.0} m from each other, which \
-             even in free space takes a transmitter of {power_dbm:.0} dBm"
+            "{} of {} {are} heard so well so far apart that even free space takes more than {MOST_DBM:.0} dBm: {} with \
+             {strength_dbm:.0} dBm or more at two places {apart_m:.0} m from each other, which takes a transmitter of {power_dbm:.0} \
+             dBm",
+            strong.len(),
+            counted(all.len(), "node"),
+            log.names()[node.index()]
         ),
         cost: "the map is as many times too large as the survey, or distances from strengths are wrong".to_owned(),
-        remedy: "places need metres: divide those in centimetres by 100, those in millimetres by 1000; strengths need dBm"
-            .to_owned(),
+        remedy:
+            "places need metres: divide those in centimetres by 100, those in millimetres by 1000; strengths need dBm"
+                .to_owned(),
     })
 }
 
-/// The least power with which the usual node can have been heard as it was (dBm); `None` if few nodes tell it.
+/// The least power with which the usual node can have been heard as it was (dBm): the median over nodes. `None` if few nodes tell it.
 pub(super) fn needed_power_dbm(log: &ReceptionLog) -> Option<f64> {
-    Needed::of_usual_node(log).map(|needed| needed.power_dbm)
+    let all = Needed::of_nodes(log);
+    let is_told = all.len() >= LEAST_NODES.min(log.node_count());
+    all.get(all.len() / 2).filter(|_| is_told).map(|needed| needed.power_dbm)
 }
 
 /// The least power with which a node can have been heard as it was, and the strength and the distance between two stops
 /// that tell it: one of the two is at least half as far from the node.
 struct Needed {
+    node: NodeId,
     power_dbm: f64,
     strength_dbm: f64,
     apart_m: f64,
 }
 
 impl Needed {
-    /// The median over nodes, so that one node with a wrong strength says nothing.
-    fn of_usual_node(log: &ReceptionLog) -> Option<Self> {
+    /// Those of all nodes that tell it, from the least power.
+    fn of_nodes(log: &ReceptionLog) -> Vec<Self> {
         let mut needed: Vec<Self> =
             (0..log.node_count()).filter_map(|node| needed(log, NodeId::from_index(node))).collect();
         needed.sort_by(|a, b| a.power_dbm.total_cmp(&b.power_dbm));
-        let is_told = needed.len() >= LEAST_NODES.min(log.node_count());
-        let middle = needed.len() / 2;
-        is_told.then(|| needed.into_iter().nth(middle)).flatten()
+        needed
     }
 }
 
@@ -103,8 +117,49 @@ fn needed(log: &ReceptionLog, node: NodeId) -> Option<Needed> {
         let apart_m = plane_m(*at, farthest);
         let power_dbm = weaker_dbm + 20.0 * libm::log10((0.5 * apart_m).max(1e-9)) + LOSS_AT_ONE_METRE_DB;
         if most.as_ref().is_none_or(|most| power_dbm > most.power_dbm) {
-            most = Some(Needed { power_dbm, strength_dbm: *weaker_dbm, apart_m });
+            most = Some(Needed { node, power_dbm, strength_dbm: *weaker_dbm, apart_m });
         }
     }
     most
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{Reception, Stop};
+
+    use super::*;
+    use crate::doctor::tests::{changed, lanes, node};
+
+    #[test]
+    fn centimetres_are_found_among_many_nodes_that_tell_no_unit() {
+        // Four access points in a hall of 50 m, and a hundred hotspots that are heard at three stops of one room each.
+        let places: Vec<Position> = (0..77).map(|i| lanes()[i] * 2.5).collect();
+        let rows = |node: u32, level: &dyn Fn(Position) -> Option<f64>| {
+            let heard = (0_u32..).zip(&places).filter_map(|(stop, at)| Some((stop, level(*at)?)));
+            let row = |(stop, dbm)| Reception { rssi_dbm: Some(dbm), ..Reception::heard(NodeId(node), stop, 1, 1) };
+            heard.map(row).collect::<Vec<Reception>>()
+        };
+        let access_point = |number: u32| {
+            let from = node(number) * 2.5;
+            rows(number, &|at| Some(-25.0 - 15.0 * libm::log10(from.distance_m(at).max(1.0))))
+        };
+        let hotspot = |number: u32| {
+            let from = places[(number % 77) as usize];
+            rows(number, &|at| (from.distance_m(at) < 5.5).then(|| -75.0 - from.distance_m(at)))
+        };
+        let receptions = (0..4).flat_map(access_point).chain((4..104).flat_map(hotspot)).collect();
+        let names = (0..104).map(|number| format!("n{number}")).collect();
+        let stops = places.iter().map(|place| Stop::at(*place)).collect();
+        let log = ReceptionLog::new(names, stops, receptions, Vec::new()).unwrap();
+        assert_eq!(finding(&log), None);
+        let centimetres = changed(&log, |stop| Stop { position: stop.position * 100.0, ..stop }, |row| row);
+        let found = finding(&centimetres).unwrap();
+        assert!(found.odd.starts_with("4 of 104 nodes are heard so well so far apart"), "{found}");
+        // A phone of the surveyor alone says nothing.
+        let names = |node: NodeId| node.0 == 0 || node.0 >= 4;
+        let rows = centimetres.receptions().iter().filter(|row| names(row.node)).collect();
+        let one =
+            ReceptionLog::new(centimetres.names().to_vec(), centimetres.stops().to_vec(), rows, Vec::new()).unwrap();
+        assert_eq!(finding(&one), None);
+    }
 }

@@ -99,7 +99,7 @@ pub(super) fn findings(log: &ReceptionLog) -> Vec<Finding> {
     let mut found = of_stops(log, None);
     found.extend(of_levels(&levels));
     found.extend(listening::finding(log, None));
-    let rest = of_log(log, &found);
+    let rest = of_log(log, &found, PlacedBy::Rows);
     found.extend(rest);
     found
 }
@@ -228,14 +228,18 @@ fn a_log_of_which_most_pairs_are_no_evidence_is_found() {
 #[test]
 fn an_exponent_of_no_surroundings_is_told_with_its_uncertainty() {
     let places: Vec<_> = (0..NODES).map(|number| Some(node(number))).collect();
-    assert_eq!(exponent::finding(&good(), &places, 2.5), None);
+    let told = |log: &ReceptionLog, places: &[Option<Position>], exponent: f64| {
+        exponent::finding(exponent, &NodeSums::of_map(log, places), PlacedBy::Rows)
+    };
+    assert_eq!(told(&good(), &places, 2.5), None);
     let flat = |row: Reception| Reception { rssi_dbm: row.rssi_dbm.map(|level| -60.0 + 0.1 * level), ..row };
     let log = changed(&good(), |stop| stop, flat);
-    let found = exponent::finding(&log, &places, 0.25).unwrap();
+    let found = told(&log, &places, 0.25).unwrap();
     assert!(found.odd.starts_with("the path-loss exponent of the map is 0.25 ± 0.20;"), "{found}");
+    assert!(found.remedy.ends_with("compare with `algorithm=strongest-stop`"), "{found}");
     // Three nodes that hardly tell it.
     let few: Vec<_> = (0..NODES).map(|number| (number < 3).then(|| node(number + 1))).collect();
-    assert_eq!(exponent::finding(&good(), &few, 1.4), None, "1.4 ± 0.5 is not odd");
+    assert_eq!(told(&good(), &few, 1.4), None, "1.4 ± 0.5 is not odd");
 }
 
 /// A robot on lanes to and fro at `speed` (m/s).

@@ -150,7 +150,8 @@ impl Use {
 
 /// Refuses what `options` say that are for another form of log.
 pub(crate) fn refuse(part: &LogPart, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
-    let ReadOptions { stop_every, packet_interval_s, form: of_form, repair, bag, sniffer } = options;
+    // Robots may have frames of their own in every form.
+    let ReadOptions { stop_every, packet_interval_s, form: of_form, repair, bag, sniffer, frames: _ } = options;
     let flags = [
         ("stop_every", *stop_every != StopRule::Automatic, Use::Drive),
         ("packet_interval", packet_interval_s.is_some(), Use::Drive),

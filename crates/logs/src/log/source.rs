@@ -14,11 +14,12 @@ use super::memory_log::MemoryLog;
 use super::recognition;
 use super::stop_log::{self, StopLog};
 use crate::bag;
-use crate::doctor;
+use crate::doctor::{self, PlacedBy};
 use crate::error::robot_log_error::RobotLogError;
 use crate::options::packet_delay::PacketDelay;
 use crate::options::read_options::ReadOptions;
 use crate::options::repair_options::RepairOptions;
+use crate::options::robot_frames::RobotFrames;
 use crate::options::sniffer_options::SnifferOptions;
 use crate::packets::reciprocal;
 use crate::robot_log::RobotLog;
@@ -79,7 +80,7 @@ fn unknown(path: &FilePath) -> RobotLogError {
 /// # Errors
 /// If it cannot be read, a part is missing or there more than once, or `options` are for another form of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    Ok(examine(read_with(options, |options| read_once(path, options))?))
+    Ok(examine(read_with(options, |options| read_once(path, options))?, options.frames))
 }
 
 /// Reads the log of a robot that is in memory, as [`read`] reads files.
@@ -109,7 +110,7 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
 /// # Errors
 /// If a table has an invalid row, or `options` are for another form of log; the error names table, row and column.
 pub fn read_tables(tables: &MemoryLog<'_>, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    Ok(examine(gather_tables(tables, options)?))
+    Ok(examine(gather_tables(tables, options)?, options.frames))
 }
 
 /// As [`read_tables`], but what is odd in the log as a whole is not looked for, which takes longer than the rest:
@@ -121,10 +122,14 @@ pub fn gather_tables(tables: &MemoryLog<'_>, options: &ReadOptions) -> Result<Ro
     read_with(options, |options| Ok(noted(tables.read(options)?, options)))
 }
 
-/// Looks for what is odd in a log as a whole, and adds it to the findings.
+/// Looks for what is odd in a log as a whole, whose robots have these `frames`, and adds it to the findings.
 #[must_use]
-pub fn examine(mut read: RobotLog) -> RobotLog {
-    let found = doctor::of_log(&read.log, &read.findings);
+pub fn examine(mut read: RobotLog, frames: RobotFrames) -> RobotLog {
+    let placed_by = PlacedBy::of_middles(&read.middles);
+    let found = match frames {
+        RobotFrames::Shared => doctor::of_log(&read.log, &read.findings, placed_by),
+        RobotFrames::OfEachRobot => doctor::of_robots(&read.log, &read.findings, placed_by),
+    };
     read.findings.extend(found);
     read.findings = doctor::told_apart(read.findings);
     read

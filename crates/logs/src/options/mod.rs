@@ -9,4 +9,5 @@ pub(crate) mod noise_floor;
 pub(crate) mod packet_delay;
 pub(crate) mod read_options;
 pub(crate) mod repair_options;
+pub(crate) mod robot_frames;
 pub(crate) mod sniffer_options;

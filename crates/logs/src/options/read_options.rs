@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::bag_options::BagOptions;
 use super::form_options::FormOptions;
 use super::repair_options::RepairOptions;
+use super::robot_frames::RobotFrames;
 use super::sniffer_options::SnifferOptions;
 
 /// How the log of a robot is read; the default asks for nothing.
@@ -23,6 +24,8 @@ pub struct ReadOptions {
     pub bag: BagOptions,
     /// What belongs to the capture of a sniffer.
     pub sniffer: SnifferOptions,
+    /// The frames of its robots.
+    pub frames: RobotFrames,
 }
 
 /// How a path is cut into stops.

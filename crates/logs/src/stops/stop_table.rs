@@ -63,7 +63,7 @@ pub(crate) fn read(
     let mut headings = Headings::find(&table, notes);
     let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
     if time.is_none() {
-        notes.push(format!("{} has no times (t_s): the duration of the survey is unknown", table.name()));
+        notes.push(format!("no times (t_s) in {}: the duration of the survey is unknown", table.name()));
     }
     let mut read = Stops {
         name: table.name(),

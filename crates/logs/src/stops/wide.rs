@@ -154,7 +154,7 @@ pub(crate) fn read(
     reading.strengths.finish(notes)?;
     notes.extend(reading.rssi.note());
     if time.is_none() {
-        notes.push(format!("{file} has no times (t_s): the duration of the survey is unknown"));
+        notes.push(format!("no times (t_s) in {file}: the duration of the survey is unknown"));
     }
     let receptions = reading.receptions();
     Ok(Wide { names: node_names, stops: reading.stops, receptions, robots, plane, findings: reading.rssi.findings() })

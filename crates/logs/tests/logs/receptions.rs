@@ -126,7 +126,7 @@ fn times_of_stops_may_be_missing() {
     let log = read("stop,x_m,y_m\nA,0,0\nB,4,3\n", "node,stop,received\nlamp,A,1\n");
     assert_eq!(log.log.stops()[1].time, SimTime::ZERO);
     assert_eq!(log.log.stops()[1].position, Position::new(4.0, 3.0, 0.0));
-    assert_eq!(log.notes, ["stops.csv has no times (t_s): the duration of the survey is unknown"]);
+    assert_eq!(log.notes, ["no times (t_s) in stops.csv: the duration of the survey is unknown"]);
 }
 
 #[test]

@@ -174,13 +174,16 @@ impl Finding for Choice {
 /// What counts beside the link model, in words.
 fn told(opinions: &Opinions) -> String {
     let each =
-        opinions.others.iter().map(|Opinion { estimator, scale_m }| format!("{estimator} (within {scale_m:.1} m)"));
-    let mut text = format!("; beside it count {}", each.collect::<Vec<_>>().join(" and "));
+        opinions.others.iter().map(|Opinion { estimator, scale_m }| format!("{estimator} (scale {scale_m:.1} m)"));
+    let mut text = format!(
+        "; beside it count {}: the scale says how fast an opinion fades with distance, and is no accuracy",
+        each.collect::<Vec<_>>().join(" and ")
+    );
     if let Some(gain) = opinions.gain {
         let than = if gain < 0.0 { "worse" } else { "better" };
         let _ = write!(
             text,
-            ": its law explains strengths left out {than} than fields without distance, by {:.2} nats each",
+            "; its law explains strengths left out {than} than fields without distance, by {:.2} nats each",
             gain.abs()
         );
     }

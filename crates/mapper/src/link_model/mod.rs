@@ -265,7 +265,8 @@ impl LinkModel {
         let pairs: usize = links.nodes.iter().map(|node| node.links.len()).sum();
         Work {
             name: Self::NAME,
-            unit: "node",
+            // Those of the fit and one for each node.
+            unit: "step",
             steps: links.nodes.len() as u64 + fit::WORK,
             operations: pairs as f64 * VERTICES[usize::from(is_spatial)].iter().sum::<f64>() * 200.0,
         }

@@ -14,7 +14,8 @@ pub(super) fn robots(log: &ReceptionLog) -> Vec<RobotId> {
 
 /// The part of `log` of the robots that have a frame, with their stops and contacts moved by it. Without antenna sectors and
 /// their signal-to-noise ratios: their directions are those of each robot's own frame.
-pub(super) fn moved(log: &ReceptionLog, frame: impl Fn(RobotId) -> Option<FrameChange>) -> ReceptionLog {
+#[must_use]
+pub fn moved_log(log: &ReceptionLog, frame: impl Fn(RobotId) -> Option<FrameChange>) -> ReceptionLog {
     let frames: Vec<Option<FrameChange>> =
         (0..log.robot_count()).map(|robot| frame(RobotId::from_index(robot))).collect();
     let place = |robot: RobotId, place: Position| frames[robot.index()].map(|frame| frame.apply(place));

@@ -22,6 +22,7 @@ pub use frame_change::{FrameChange, Handedness};
 pub use frame_covariance::FrameCovariance;
 pub use frames::{Frames, stitch};
 pub use joint::FrameAgreement;
+pub use logs::moved_log;
 pub use pair::{PairFault, PairFit, PairState};
 pub use report::{JoinedFrame, RobotFrame, RobotOutcome, Stitching};
 pub use settings::{StitchConfig, StitchRules};

@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::frame_change::{FrameChange, Handedness};
 use super::joint::FrameAgreement;
+use super::logs::moved_log;
 use super::pair::PairFit;
 #[cfg(feature = "config")]
 use super::pair::PairState;
@@ -13,6 +14,7 @@ use crate::absorption::AbsorptionMap;
 use crate::learned::one_key;
 use crate::learned::{CurveFinding, EstimatorFindings, Finding, Line, Section, StaticShadowing};
 use crate::topology_map::TopologyMap;
+use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
 
@@ -54,6 +56,17 @@ pub enum RobotOutcome {
         /// Why.
         why: String,
     },
+}
+
+impl RobotOutcome {
+    /// How the frame of the robot becomes that of the map; `None` if the map is made without it.
+    const fn change(&self) -> Option<FrameChange> {
+        match self {
+            Self::Known(_) => Some(FrameChange::NONE),
+            Self::Joined(joined) => Some(joined.change),
+            Self::LeftOut { .. } => None,
+        }
+    }
 }
 
 /// How a robot was joined.
@@ -135,6 +148,15 @@ impl Stitching {
     #[must_use]
     pub fn joined(&self) -> usize {
         self.robots.iter().filter(|robot| !matches!(robot.outcome, RobotOutcome::LeftOut { .. })).count()
+    }
+
+    /// The part of `log` of these robots, in the frame of the map.
+    #[must_use]
+    pub fn joined_log(&self, log: &ReceptionLog) -> ReceptionLog {
+        moved_log(log, |robot| {
+            let name = log.robot_name(robot);
+            self.robots.iter().find(|robot| robot.name == name).and_then(|robot| robot.outcome.change())
+        })
     }
 
     /// The names of the robots of a group of members.

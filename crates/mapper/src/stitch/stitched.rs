@@ -5,7 +5,7 @@ use sextant_kernel::{NodeId, RobotId, SettingError, Watch};
 
 use super::frame_change::FrameChange;
 use super::frames::{Frames, as_shares, stitch};
-use super::logs;
+use super::logs::moved_log;
 use super::members::Members;
 use super::pair::{PairFit, PairState};
 use super::report::{JoinedFrame, RobotFrame, RobotOutcome, Stitching};
@@ -62,7 +62,7 @@ impl Stitched {
         watch: &dyn Watch,
     ) -> Result<Vec<Result<OwnMap, String>>, MapError> {
         let map = |member: usize| {
-            let log = logs::moved(knowledge.log, |robot| members.has(member, robot).then_some(FrameChange::NONE));
+            let log = moved_log(knowledge.log, |robot| members.has(member, robot).then_some(FrameChange::NONE));
             match self.inner.map_and_learn(Knowledge { log: &log, ..*knowledge }, watch) {
                 Ok((map, _)) => Ok(Ok(OwnMap::of(&map, &log))),
                 Err(MapError::Interrupted(interrupted)) => Err(MapError::Interrupted(interrupted)),
@@ -111,7 +111,7 @@ impl Estimator for Stitched {
         let maps: Vec<OwnMap> = own.iter().map(|own| own.as_ref().cloned().unwrap_or_default()).collect();
         let frames = stitch(&maps, &self.rules, knowledge.seed);
         let of_robots = members.of_robots();
-        let joined = logs::moved(log, |robot| frames.changes[of_robots[robot.index()]?]);
+        let joined = moved_log(log, |robot| frames.changes[of_robots[robot.index()]?]);
         let (mut map, learned) = self.inner.map_and_learn(Knowledge { log: &joined, ..*knowledge }, watch)?;
         let errors = FrameErrors { frames: &frames, maps: &maps, log, of_robots: &of_robots };
         for (node, estimate) in map.estimates.iter_mut().enumerate() {

@@ -78,10 +78,14 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 /// Creates a folder and those above it that do not exist, as [`fs::create_dir_all`]. They are there also after a power failure.
 ///
 /// # Errors
-/// Those of the system.
+/// Those of the system, and if a file has the name of one of the folders.
 pub fn create_folders(path: &Path) -> io::Result<()> {
     if path.is_dir() || path.as_os_str().is_empty() {
         return Ok(());
+    }
+    if path.is_file() {
+        let problem = format!("`{}` is a file, and a folder is needed", path.display());
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, problem));
     }
     if let Some(above) = path.parent() {
         create_folders(above)?;
@@ -123,4 +127,22 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(not(unix))]
 fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_where_a_folder_is_needed_is_told_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.csv");
+        fs::write(&file, "a,b").unwrap();
+        for path in [file.clone(), file.join("figures")] {
+            let refused = create_folders(&path).unwrap_err().to_string();
+            assert!(refused.ends_with("mine.csv` is a file, and a folder is needed"), "{refused}");
+        }
+        create_folders(&folder.path().join("a/b")).unwrap();
+        assert!(folder.path().join("a/b").is_dir());
+    }
 }

@@ -7,7 +7,7 @@ use sextant_scenario::{AlgorithmName, MapSettings};
 
 use super::error::MapLogError;
 use super::logs::MapLogs;
-use crate::measure::{in_world, measure};
+use crate::measure::{Subject, in_world, measure};
 use crate::summary::MapSummary;
 
 /// A map of a log, with what was estimated with it.
@@ -49,6 +49,7 @@ pub fn map_log(log: &ReceptionLog, algorithm: AlgorithmName, watch: &dyn Watch) 
     let logs = MapLogs::alone(log);
     let (map, learned) = job.mapper.map_and_learn(logs.knowledge(job), watch)?;
     let (map, alignment) = in_world(map, None);
-    let summary = measure(&job.into(), &map, learned.as_ref(), log.names(), None, &settings.metrics, watch)?;
+    let summary =
+        measure(&Subject::new(job, log), &map, learned.as_ref(), log.names(), None, &settings.metrics, watch)?;
     Ok(LogMap { map, learned, summary: MapSummary { alignment: Some(alignment), ..summary }.judged() })
 }

@@ -3,11 +3,12 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_mapper::EstimatorFindings;
 
+use super::input::Input;
 use crate::measure::axes;
 use crate::summary::LogCounts;
 use sextant_kernel::NodeId;
 use sextant_kernel::text::{counted, listed};
-use sextant_logs::doctor;
+use sextant_logs::doctor::{self, PlacedBy};
 
 /// Silence tells nothing if less than this share of the packets was missed.
 const RARELY_MISSED: f64 = 0.01;
@@ -87,19 +88,18 @@ fn without_place(log: &ReceptionLog, places: &[Option<Position>]) -> Option<Stri
     })
 }
 
-/// The notes on a map of `log`: what is odd in its law and places, and in how it differs from the true places of the nodes.
+/// The notes on a map of the log of `input`: what is odd in its law and places, and in how it differs from the true places of the nodes.
 ///
-/// The map has its nodes at `places`, and what was estimated with it is `learned`. The path is that of the file `odometry`, if it is
-/// odometry.
+/// The map has its nodes at `places`, and what was estimated with it is `learned`.
 pub(super) fn of_map(
-    log: &ReceptionLog,
+    input: &Input,
     places: &[Option<Position>],
     learned: Option<&EstimatorFindings>,
     truth: Option<&[Option<Position>]>,
-    odometry: Option<&str>,
 ) -> Vec<String> {
-    let axes = truth.and_then(|truth| axes(truth, places, odometry));
-    let findings = doctor::of_map(log, places, learned).into_iter().chain(axes);
+    let axes = truth.and_then(|truth| axes(truth, places, input.odometry.as_deref()));
+    let (log, placed_by) = (input.log(), PlacedBy::of_middles(&input.middles));
+    let findings = doctor::of_map(log, places, learned, placed_by).into_iter().chain(axes);
     findings.map(|finding| finding.to_string()).chain(without_place(log, places)).collect()
 }
 

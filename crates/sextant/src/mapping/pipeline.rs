@@ -10,7 +10,7 @@ use super::error::MapLogError;
 use super::input::Input;
 use super::logs::MapLogs;
 use super::notes;
-use crate::measure::{Truth, in_world, measure};
+use crate::measure::{Subject, Truth, in_world, measure};
 use crate::summary::{GatheringSummary, LogCounts, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A map that was computed from a log.
@@ -101,7 +101,7 @@ impl<'a> Stages<'a, '_> {
                 let (map, alignment) = in_world(map, truth.as_deref());
                 let truth =
                     truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors, dimensions });
-                let subject = named.into();
+                let subject = Subject::new(named, MapLogs::from(&input.logs).of(named));
                 let names = input.log().names();
                 let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
                 Ok((ComputedMap { named, map, learned }, alignment, summary))
@@ -120,8 +120,7 @@ impl<'a> Stages<'a, '_> {
             }
             if input.recording.is_none() {
                 let (places, learned) = (computed.map.positions(), computed.learned.as_ref());
-                let odometry = input.odometry.as_deref();
-                for note in notes::of_map(input.log(), &places, learned, truth.as_deref(), odometry) {
+                for note in notes::of_map(input, &places, learned, truth.as_deref()) {
                     if !found.contains(&note) {
                         found.push(note);
                     }

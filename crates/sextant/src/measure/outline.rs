@@ -45,7 +45,7 @@ pub(crate) fn outline(
 
 /// What a map used: what its estimator uses, and ranges where nodes were placed by them.
 fn knowledge(subject: &Subject<'_>, learned: Option<&EstimatorFindings>) -> Vec<KnowledgeKind> {
-    let mut knowledge = subject.knowledge.to_vec();
+    let mut knowledge = subject.knowledge.clone();
     let has_ranges = learned.is_some_and(|learned| learned.get::<RangeFit>().is_some());
     if has_ranges && !knowledge.contains(&KnowledgeKind::RobotRanges) {
         knowledge.push(KnowledgeKind::RobotRanges);

@@ -107,9 +107,16 @@ pub(crate) fn measure(
     let connectivity_errors: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
     let connectivity_errors = connectivity_errors?;
     let first = connectivity_errors.first().copied().unwrap_or_default();
+    let has_flat_regions = has_flat_regions(truth, &estimates);
+    let in_plane = || {
+        let truth: Vec<Position> = truth.iter().copied().map(on_plane).collect();
+        let found: Vec<Option<Position>> = found.iter().map(|place| place.map(on_plane)).collect();
+        PositionError::between(&truth, &found).map(ErrorSummary::from)
+    };
     Ok(MapSummary {
         measured: (known.len() < places.len()).then(|| mapped.iter().flatten().count()),
-        regions_in: has_flat_regions(truth, &estimates).then_some(MeasuredIn::Plane),
+        regions_in: has_flat_regions.then_some(MeasuredIn::Plane),
+        position_error_in_plane_m: has_flat_regions.then(in_plane).flatten(),
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         position_error_cdf: position_error_cdf(truth, &found, sought),
         coverage_95: coverage_95(truth, &estimates),

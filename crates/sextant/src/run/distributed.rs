@@ -37,7 +37,7 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
     let truth = truth(scenario);
     let names: Vec<String> = scenario.world().nodes.iter().map(|node| node.name.clone()).collect();
     let network = scenario.networks()[map.network.index()].name.iter().cloned();
-    let subject = Subject { name: &map.name, knowledge: KNOWLEDGE, networks: network.collect() };
+    let subject = Subject { name: &map.name, knowledge: KNOWLEDGE.to_vec(), networks: network.collect() };
     let displacement = sector_displacement(scenario, &[map.network], &found, &truth);
     let known: Vec<Option<Position>> = truth.into_iter().map(Some).collect();
     let known = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };

@@ -13,7 +13,7 @@ use super::message_energy::message_energy_j;
 use super::mission::UnalignedMap;
 use super::operations::CountedWork;
 use crate::mapping::MapLogs;
-use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
+use crate::measure::{Dimensions, NodeSectors, Subject, Truth, displacement, in_world, measure};
 use crate::summary::{MapSummary, SectorsSummary, Stopwatch};
 
 /// A map, what was estimated with it, and its errors.
@@ -79,7 +79,7 @@ pub(super) fn evaluate(
         posterior_bound_m: bound.as_ref().and_then(|bound| bound.as_ref().ok()).copied(),
         posterior_bound_absent: bound.and_then(Result::err).map(|why| why.to_string()),
         ..measure(
-            &named.into(),
+            &Subject::new(named, logs.of(named)),
             &map,
             learned.as_ref(),
             logs.of(named).names(),

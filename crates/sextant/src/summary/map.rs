@@ -50,6 +50,9 @@ pub struct MapSummary {
     /// and the true ones are elsewhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub regions_in: Option<MeasuredIn>,
+    /// Distance between mapped and true positions in the plane of x and y (m), if regions are in it and errors in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_error_in_plane_m: Option<ErrorSummary>,
     /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -70,9 +70,13 @@ fn measured(map: &MapSummary, name: &str) -> Vec<String> {
     let in_plane = (map.measured_in == Some(MeasuredIn::Plane))
         .then(|| format!("{name}: errors and regions in the plane (x, y): the true positions have no heights"));
     let flat = (map.regions_in == Some(MeasuredIn::Plane)).then(|| {
+        let plane = map.position_error_in_plane_m.map_or_else(String::new, |error| {
+            format!(", where the mean error is {:.2} m and the median {:.2} m", error.mean, error.median)
+        });
         format!(
-            "{name}: errors are in space, and regions in the plane (x, y): the map has nodes at a height that was not estimated, and \
-             true ones are elsewhere; `z_range_m` seeks heights"
+            "{name}: errors are in space, and regions in the plane (x, y){plane}: the map has nodes at a height that was not \
+             estimated, and true ones are elsewhere; `{}=[low,high]` seeks heights",
+            heights_key(map)
         )
     });
     let some = map.measured.map(|measured| {
@@ -134,8 +138,8 @@ fn concerns(map: &MapSummary, name: &str) -> Vec<String> {
                 "stops where they are heard and others where they are not would tell where they are; of ranges, stops all round them"
             }
             Concern::TwoPlaces => {
-                "on a straight way they are mirror images, which a stop beside it or a `z_range_m` of heights tells apart; on others the \
-                 node may have moved, or two have one name"
+                "on a straight way they are mirror images, which a stop beside it or bounds of heights (`z_range_m`) tell apart; on \
+                 others the node may have moved, or two have one name"
             }
             Concern::TooFew => "ranges or stops at more places would tell where they are",
         };
@@ -152,14 +156,21 @@ fn heights(map: &MapSummary, name: &str) -> Option<String> {
     match (from, uneven_m) {
         (HeightsSource::Reach, _) => Some(format!(
             "{name}: nodes searched at heights from {low_m:.2} to {high_m:.2} m, the range of packets from the stops \
-             (z_range_m sets other heights)"
+             (`{}` sets other heights)",
+            heights_key(map)
         )),
         (_, Some(uneven_m)) => Some(format!(
             "{name}: nodes searched in the plane at {low_m:.2} m, because the heights of the stops differ by only \
-             {uneven_m:.2} m (z_range_m sets other heights)"
+             {uneven_m:.2} m (`{}` sets other heights)",
+            heights_key(map)
         )),
         _ => None,
     }
+}
+
+/// The key of the heights between which nodes are searched for, within the map.
+fn heights_key(map: &MapSummary) -> String {
+    format!("algorithm.{}.z_range_m", map.algorithm.replace('-', "_"))
 }
 
 #[cfg(test)]

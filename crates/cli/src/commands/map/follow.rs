@@ -132,6 +132,10 @@ impl Story for LogStory {
         self.ready.is_some() || self.sizes.as_ref() != Some(&self.sizes())
     }
 
+    fn is_told_elsewhere(&self) -> bool {
+        !self.arguments.work.quiet
+    }
+
     fn document(&mut self, _is_last: bool) -> Result<Option<Document>, String> {
         let made = self.ready.take().map_or_else(|| self.next(), Ok);
         let told = match &made {

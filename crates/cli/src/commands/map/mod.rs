@@ -29,7 +29,7 @@ use sextant::scenario::{AlgorithmName, MapSettings};
 use sextant::summary::Stopwatch;
 use sextant_figure::Figure;
 use sextant_kernel::text::counted;
-use sextant_logs::{self as robot_log, FieldNames, Names};
+use sextant_logs::{self as robot_log, FieldNames, Names, ReadOptions, RobotFrames};
 use sextant_recording::admission::{OutputKind, Outputs};
 use sextant_recording::output::{open_folder, write_file};
 use sextant_study::campaign::slurm::submit_map;
@@ -186,7 +186,8 @@ pub(crate) fn execute(arguments: &Arguments, invocation: &Invocation, interrupt:
     let new = named.into_iter().filter_map(|(flag, path)| Some((flag, path.filter(|path| !path.exists())?)));
     keep_logs(Some(&arguments.log), new)?;
     let network = arguments.network.as_deref();
-    let options = arguments.reading.options();
+    let frames = if arguments.stitch { RobotFrames::OfEachRobot } else { RobotFrames::Shared };
+    let options = ReadOptions { frames, ..arguments.reading.options() };
     // Reading a large log takes so long that it has to end in order.
     let keeper = arguments.tiles.map(|_| interrupt.keep());
     let (mut input, survey) = match arguments.tiles {

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::Args;
 
-use sextant_logs::{ReadOptions, StopRule};
+use sextant_logs::{ReadOptions, RobotFrames, StopRule};
 
 use bag::BagFlags;
 use form::FormFlags;
@@ -57,6 +57,7 @@ impl Reading {
             repair: repair.into(),
             bag: bag.into(),
             sniffer: sniffer.into(),
+            frames: RobotFrames::Shared,
         }
     }
 }

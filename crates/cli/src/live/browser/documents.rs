@@ -17,6 +17,11 @@ pub(crate) trait Story: Send + 'static {
     /// Whether there is something that the last document does not have.
     fn has_more(&mut self) -> bool;
 
+    /// Whether it is told elsewhere too, as on a terminal: then documents are made while no browser looks, too.
+    fn is_told_elsewhere(&self) -> bool {
+        false
+    }
+
     /// A document of all that there is (JSON), with a sentence on what is new if there is one to say. `is_last` if nothing
     /// follows. `None` if there is nothing to show yet.
     ///
@@ -110,14 +115,14 @@ impl Documents {
         state.is_last = is_last;
     }
 
-    /// Waits until a document is wanted; whether the run is over then. `None` if the run is over and nobody looks.
+    /// Waits until a document of the story is wanted; whether the run is over then. `None` if the run is over and nobody looks.
     fn wanted(&self, story: &mut dyn Story) -> Option<bool> {
         let mut state = self.state();
         loop {
             if state.is_over {
                 return state.is_watched().then_some(true);
             }
-            if state.is_watched() && story.has_more() {
+            if (state.is_watched() || story.is_told_elsewhere()) && story.has_more() {
                 return Some(false);
             }
             state = self.changed.wait_timeout(state, APART).unwrap_or_else(PoisonError::into_inner).0;
@@ -140,7 +145,7 @@ impl State {
     }
 }
 
-/// Makes documents of a story while a browser looks, in a thread of its own.
+/// Makes documents of a story while somebody looks, in a thread of its own.
 pub(super) fn make(documents: &Arc<Documents>, mut story: impl Story) -> io::Result<()> {
     let documents = Arc::clone(documents);
     thread::Builder::new().name("live documents".to_owned()).spawn(move || {

@@ -206,7 +206,22 @@ fn text_that_is_not_utf_8_is_rejected_with_its_line() {
     let folder = folder(STOPS, RECEPTIONS);
     std::fs::write(folder.path().join("receptions.csv"), b"node,stop,received\nlamp,A,1\n\xff,A,1\n").unwrap();
     let message = robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
-    assert!(message.ends_with("receptions.csv, line 3: not UTF-8 text"), "{message}");
+    assert!(
+        message.contains("receptions.csv, line 3: the cell of column `node` is not UTF-8 text; from Latin-1"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_first_line_of_values_is_told() {
+    let told = |first: &str| {
+        let folder = folder(STOPS, RECEPTIONS);
+        std::fs::write(folder.path().join("stops.csv"), format!("{first}\n1,0,2\n")).unwrap();
+        robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string()
+    };
+    let of_values = "the first line, `2,=,-76,2018-07-04`, holds values and no names";
+    assert!(told("2,=,-76,2018-07-04").contains(of_values), "{}", told("2,=,-76,2018-07-04"));
+    assert!(!told("stop,x,y").contains("holds values"), "{}", told("stop,x,y"));
 }
 
 #[test]
