@@ -38,6 +38,12 @@ fn robots_with_frames_of_their_own_are_judged_each_by_itself() {
 #[test]
 fn nodes_of_a_stitched_map_are_compared_with_the_stops_as_it_joined_them() {
     let (log, change) = two_frames();
+    // The receiver of the first robot is 20 dB worse.
+    let worse = |row: Reception| match row.stop < 77 {
+        true => Reception { rssi_dbm: row.rssi_dbm.map(|level| level - 20.0), ..row },
+        false => row,
+    };
+    let log = changed(&log, |stop| stop, worse).with_robots(log.robots().to_vec()).unwrap();
     let places: Vec<_> = (0..NODES).map(|number| Some(node(number))).collect();
     let frame = |name: &str, outcome| RobotFrame { name: name.to_owned(), placed: 12, outcome };
     let joined = JoinedFrame { change, agreement: FrameAgreement::default(), deviation_m: None };
