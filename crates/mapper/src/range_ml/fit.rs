@@ -1,14 +1,12 @@
 //! The most probable places and law, and what else is nearly as probable.
 
-use super::problem::{BIAS, Eliminated, Point, Problem};
+use super::problem::{BIAS, Eliminated, Point, Problem, ROUNDING};
 use sextant_kernel::{Interrupted, Watch};
 
 /// Most steps of a fit.
 const STEPS: u32 = 600;
 /// A fit has settled if a step gains less than that.
 const LEAST_GAIN: f64 = 1e-4;
-/// A curvature is no better known than to this share.
-pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A point at which the posterior is greatest.
 pub(super) struct Fitted {

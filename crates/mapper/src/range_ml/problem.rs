@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use sextant_channel::RangeErrorLaw;
 
 use super::error_law::bounded;
-use super::fit::ROUNDING;
 use super::groups::{RangeGroup, RangeGroups};
 
 /// Number of parameters that all ranges share.
@@ -97,6 +96,9 @@ pub(super) struct Problem<'a> {
 
 /// The least curvature of a range, as a share of that of a law with its stiffness.
 const LEAST_CURVATURE: f64 = 0.1;
+
+/// A curvature is no better known than to this share.
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// The slope of the log-posterior by the state of a node, and its curvature.
 #[derive(Clone, Copy, Debug)]
