@@ -30,9 +30,6 @@ const BESIDE: usize = 2;
 /// Above what the others say a strength is wrong from this on, below only from that on: it may be behind a wall (dB).
 const ABOVE_DB: f64 = 15.0;
 const BELOW_DB: f64 = 25.0;
-/// And from so many deviations of the others on.
-const ABOVE_DEVIATIONS: f64 = 5.0;
-const BELOW_DEVIATIONS: f64 = 8.0;
 /// So many strengths that are not wrong are found in a log, on average.
 const FALSE_ALARMS: f64 = 0.02;
 /// What is known of the deviation of strengths before there are any: shadowing in usual surroundings (dB; ITU-R P.1411, P.1238),
@@ -119,13 +116,9 @@ fn worst(levels: &[Level], least_evidence: f64) -> Option<(usize, f64)> {
         let of_grid = fits.iter().map(|fit| fit[column]);
         // A node beside a stop may be far stronger there than anywhere else.
         let beside = regression.beside(number, NEAR * step_m);
-        let Suspicion { evidence, above_db, deviation_db } =
+        let Suspicion { evidence, above_db } =
             Suspicion::of(&of_grid.chain(beside).collect::<Vec<_>>(), levels.len())?;
-        let far_db = if above_db > 0.0 {
-            ABOVE_DB.max(ABOVE_DEVIATIONS * deviation_db)
-        } else {
-            BELOW_DB.max(BELOW_DEVIATIONS * deviation_db)
-        };
+        let far_db = if above_db > 0.0 { ABOVE_DB } else { BELOW_DB };
         (above_db.abs() > far_db && evidence > least_evidence).then_some((number, above_db, evidence))
     });
     judged.max_by(|a, b| a.2.total_cmp(&b.2)).map(|(number, above_db, _)| (number, above_db))
@@ -137,8 +130,6 @@ struct Suspicion {
     evidence: f64,
     /// How much it is above what the others say at the likely place that explains it best (dB).
     above_db: f64,
-    /// Standard deviation of the others (dB).
-    deviation_db: f64,
 }
 
 impl Suspicion {
@@ -153,7 +144,7 @@ impl Suspicion {
         let above_db = above_db.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
         let known = without + AS_MANY * USUAL_DB * USUAL_DB;
         let evidence = 0.5 * (freedom + AS_MANY) * libm::log1p((all - without).max(0.0) / known);
-        without.is_finite().then_some(Self { evidence, above_db, deviation_db: (without / freedom).sqrt() })
+        without.is_finite().then_some(Self { evidence, above_db })
     }
 }
 
