@@ -107,11 +107,11 @@ fn negotiated_cells_have_the_times_in_which_frames_go_in_them() {
     assert!(received.len() > 1000, "{}", received.len());
     for sent in received {
         let start_s = seconds(sent, "start_s").expect("a time");
-        let slot = (start_s / 0.01) as u64;
+        let slot = std::time::Duration::from_secs_f64(start_s).as_millis() / 10;
         let hears = |cell: &&BTreeMap<String, String>| {
             cell["station"] == to[&*sent["packet"]]
                 && cell["options"].contains("receive")
-                && slot % number(cell, "slotframe") == number(cell, "timeslot")
+                && slot % u128::from(number(cell, "slotframe")) == u128::from(number(cell, "timeslot"))
                 && seconds(cell, "from_s").is_some_and(|from_s| from_s <= start_s)
                 && seconds(cell, "to_s").is_none_or(|to_s| start_s < to_s)
         };

@@ -219,9 +219,9 @@ fn a_first_line_of_values_is_told() {
         std::fs::write(folder.path().join("stops.csv"), format!("{first}\n1,0,2\n")).unwrap();
         robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string()
     };
-    let of_values = "the first line, `2,=,-76,2018-07-04`, holds values and no names";
+    let of_values = "the first line is `2,=,-76,2018-07-04`: values, and no names of columns";
     assert!(told("2,=,-76,2018-07-04").contains(of_values), "{}", told("2,=,-76,2018-07-04"));
-    assert!(!told("stop,x,y").contains("holds values"), "{}", told("stop,x,y"));
+    assert!(!told("stop,x,y").contains("values, and no names"), "{}", told("stop,x,y"));
 }
 
 #[test]
