@@ -31,10 +31,14 @@ impl<'a> Subject<'a> {
 }
 
 /// Whether there is knowledge of a kind that an algorithm uses: strengths may be absent from `log`, and so may packets beside ranges.
+/// A log without any rows is one whose rows are read tile by tile: then all that is used counts.
 fn is_in(log: &ReceptionLog, kind: KnowledgeKind) -> bool {
     let mut heard = log.receptions().iter().filter(|row| row.received > 0);
     match kind {
-        KnowledgeKind::RobotRssi => heard.any(|row| row.rssi_dbm.is_some()),
+        KnowledgeKind::RobotRssi => {
+            let is_by_tiles = log.receptions().is_empty() && log.ranges().is_empty();
+            is_by_tiles || heard.any(|row| row.rssi_dbm.is_some())
+        }
         KnowledgeKind::RobotReceptions => log.ranges().is_empty() || heard.next().is_some(),
         KnowledgeKind::RobotRanges
         | KnowledgeKind::RobotPath
