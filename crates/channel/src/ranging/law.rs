@@ -3,10 +3,7 @@
 use std::f64::consts::PI;
 
 use libm::{cosh, sinh};
-use sextant_kernel::maths::{exp, ln, mills_ratio, with_widest_vectors};
-
-/// One over the root of 2π.
-const PER_ROOT_OF_TAU: f64 = 0.398_942_280_401_432_7;
+use sextant_kernel::maths::{PER_ROOT_OF_TAU, exp, ln, mills_ratio, with_widest_vectors};
 
 /// The law of the error of a range that is left when bias and scale are taken off: a mixture of three.
 ///

@@ -1,5 +1,8 @@
 //! The tail of the normal distribution.
 
+/// One over the root of 2π, the standard normal density at 0.
+pub const PER_ROOT_OF_TAU: f64 = 0.398_942_280_401_432_7;
+
 /// The point whose argument of the polynomial is 0.
 const MIDDLE: f64 = 5.0;
 /// The ratio times 1 + √2·t as a polynomial of (t − 5)/(t + 5), in the form of Shepherd and Laframboise, "Chebyshev approximation

@@ -15,7 +15,7 @@ use fearless_simd::{Level, dispatch};
 pub use cholesky::{cholesky, cholesky_watched, solve_lower};
 pub use exponential::{exp, exp_each};
 pub use logarithm::{ln, ln_each, ln_each_single};
-pub use mills::mills_ratio;
+pub use mills::{PER_ROOT_OF_TAU, mills_ratio};
 pub use shifted::{InverseProducts, ShiftedMatrices};
 
 /// Does `work` with the widest vectors of this processor. A closure of more than a few operations needs `#[inline(always)]`, and so do the

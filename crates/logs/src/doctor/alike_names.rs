@@ -15,13 +15,14 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
         alike.entry(plain).or_default().push(name);
     }
     let quoted = |name: &&str| format!("`{name}`");
-    let groups = alike.values().filter(|names| names.len() > 1);
-    let told: Vec<String> = groups.map(|names| names.iter().map(quoted).collect::<Vec<_>>().join(" and ")).collect();
+    alike.retain(|_, names| names.len() > 1);
+    let told: Vec<String> =
+        alike.values().map(|names| names.iter().map(quoted).collect::<Vec<_>>().join(" and ")).collect();
     (!told.is_empty()).then(|| Finding {
         check: "alike-names",
         odd: format!(
             "names of {} differ only in the case of letters or in blanks: {}",
-            counted(alike.values().filter(|names| names.len() > 1).map(Vec::len).sum(), "node"),
+            counted(alike.values().map(Vec::len).sum(), "node"),
             listed(&told)
         ),
         cost: "if they are of one node, it is mapped several times, each time from a part of what was heard"

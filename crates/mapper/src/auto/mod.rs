@@ -8,6 +8,7 @@ mod predict;
 mod report;
 mod rules;
 mod score;
+mod widths;
 
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,7 @@ use self::rules::ChoiceFacts;
 pub use self::rules::ChoiceReason;
 use self::score::Predicted;
 pub use self::score::Score;
+use self::widths::{enlarge, slow_fall};
 use crate::count_rule::CountRule;
 use crate::error::MapError;
 use crate::estimator::{AnyLog, Estimator, EstimatorSettings, Mapper};
@@ -323,26 +325,6 @@ fn has_single_packets(log: &ReceptionLog) -> bool {
 fn settles(map: &TopologyMap, fit: Option<&EstimatorFit>) -> bool {
     let has_curve = !matches!(fit, Some(EstimatorFit::Profile(fit)) if !fit.converged);
     has_curve && 2 * map.concerns().count() <= map.mapped()
-}
-
-/// How many times more slowly strengths fall with the logarithm of the distance than in real surroundings, at least 1: so many times
-/// wider are regions, because what makes them fall slowly is in no law.
-fn slow_fall(fit: Option<&EstimatorFit>) -> f64 {
-    /// The least path-loss exponent of real surroundings.
-    const LEAST_EXPONENT: f64 = 1.5;
-    match fit {
-        Some(EstimatorFit::Links(fit)) => {
-            fit.path_loss_exponent().map_or(1.0, |exponent| (LEAST_EXPONENT / exponent).clamp(1.0, 3.0))
-        }
-        _ => 1.0,
-    }
-}
-
-/// Enlarges the variances of a map by a factor.
-fn enlarge(map: &mut TopologyMap, factor: f64) {
-    for covariance in map.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
-        *covariance = covariance.map(|row| row.map(|entry| factor * entry));
-    }
 }
 
 /// The number of the most trusted candidate of independent packets, if it predicts as well as the link model does.

@@ -1,6 +1,6 @@
 //! A fast normal distribution function.
 
-use sextant_kernel::maths::{exp, exp_each};
+use sextant_kernel::maths::{PER_ROOT_OF_TAU, exp, exp_each};
 
 /// Number of values per standard deviation.
 const PER_UNIT: f64 = 128.0;
@@ -60,9 +60,6 @@ pub(crate) fn densities<const COUNT: usize>(x: [f64; COUNT]) -> [f64; COUNT] {
     exp_each(&mut values);
     values.map(|value| value * PER_ROOT_OF_TAU)
 }
-
-/// One over the root of 2π.
-const PER_ROOT_OF_TAU: f64 = 0.398_942_280_401_432_7;
 
 /// The x with Φ(x) = `p`, between -8 and 8, by bisection.
 pub(crate) fn quantile(p: f64) -> f64 {
