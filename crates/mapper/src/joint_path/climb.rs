@@ -2,7 +2,7 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
-use super::chain::{ChainStep, ChainSystem, Eliminated};
+use super::chain::{ChainStep, ChainSystem, Factor};
 
 /// A log-posterior of a chain of states and a border.
 pub(super) trait Hill {
@@ -20,7 +20,7 @@ pub(super) struct Top<P> {
     pub(super) point: P,
     pub(super) value: f64,
     /// The curvature there; `None` if it is not positive.
-    pub(super) curvature: Option<Eliminated>,
+    pub(super) curvature: Option<Factor>,
     /// Whether the climb ended by itself.
     pub(super) settled: bool,
 }
@@ -38,7 +38,7 @@ pub(super) fn climb<H: Hill>(
     let mut system = hill.system(&point);
     for _ in 0..steps {
         watch.check()?;
-        let next = system.eliminated(damping).map(|eliminated| hill.moved(&point, &eliminated.step()));
+        let next = system.factor(damping).map(|factor| hill.moved(&point, &system.step(&factor)));
         let reached = next.as_ref().map_or(f64::NEG_INFINITY, |next| hill.value(next));
         match next {
             Some(next) if reached > value => {
@@ -60,5 +60,5 @@ pub(super) fn climb<H: Hill>(
             }
         }
     }
-    Ok(Top { point, value, curvature: system.eliminated(0.0), settled })
+    Ok(Top { point, value, curvature: system.factor(0.0), settled })
 }

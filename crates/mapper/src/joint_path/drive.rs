@@ -5,6 +5,7 @@ use sextant_channel::{Position, RangeErrorLaw, ReceptionLog};
 use sextant_kernel::{NodeId, RobotId, SimTime, Watch};
 
 use super::PathError;
+use super::chain::Factor;
 use super::climb::{Top, climb};
 use super::drive_problem::{
     AFTER_NODES, DELAY, DRIFT, DrivePoint, DriveProblem, KnownPlace, ODOMETRY_SCALE, SCALE_OF_RANGES, after_nodes,
@@ -279,16 +280,17 @@ fn estimated(
     log: &ReceptionLog,
     ids: &[NodeId],
 ) -> EstimatedPath {
-    let covariances = top.curvature.as_ref().map(super::chain::Eliminated::covariances);
+    let covariances = top.curvature.as_ref().map(Factor::covariances);
     let pose = |(at, (frame, state)): (usize, (&Keyframe, &Vector4<f64>))| {
-        let covariance = covariances.as_ref().map(|(states, _)| &states[at]);
+        let covariance = covariances.as_ref().map(|states| &states[at]);
         PathPose::of(frame.robot, frame.time, frame.position, state, covariance)
     };
     let poses: Vec<PathPose> = keyframes.frames.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let border = &top.point.border;
     let after = 3 * problem.known.len();
-    let covariance =
-        |of: usize, with: usize| covariances.as_ref().map_or(0.0, |(_, border)| border[(after + of, after + with)]);
+    let covariance = |of: usize, with: usize| {
+        top.curvature.as_ref().map_or(0.0, |factor| factor.covariance_of_border(after + of, after + with))
+    };
     let deviation = |which: usize| covariance(which, which).max(0.0).sqrt();
     let of_both = covariance(SCALE_OF_RANGES, SCALE_OF_RANGES)
         + covariance(ODOMETRY_SCALE, ODOMETRY_SCALE)

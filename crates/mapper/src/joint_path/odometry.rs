@@ -156,7 +156,7 @@ impl Odometry<'_> {
             }
         }
         for (entry, deviation) in self.of_border() {
-            system.border[(entry, entry)] += deviation.powi(-2);
+            system.add_to_border(entry, entry, deviation.powi(-2));
             system.border_slope[entry] -= border[entry] / deviation.powi(2);
         }
         for (pose, entry, mean, deviation) in self.of_firsts() {

@@ -5,6 +5,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, Watch, Work};
 
 use super::PathError;
+use super::chain::Factor;
 use super::climb::{Hill, Top, climb};
 use super::drive::{EstimatedPath, PathPose};
 use super::odometry::{FACTORS, Leg, Odometry, legs};
@@ -412,16 +413,18 @@ fn estimated(
     top: &Top<PacketPoint>,
     settled: bool,
 ) -> EstimatedPath {
-    let covariances = top.curvature.as_ref().map(super::chain::Eliminated::covariances);
+    let covariances = top.curvature.as_ref().map(Factor::covariances);
     let pose = |(at, (&stop, state)): (usize, (&usize, &Vector4<f64>))| {
         let own = &log.stops()[stop];
-        let covariance = covariances.as_ref().map(|(states, _)| &states[at]);
+        let covariance = covariances.as_ref().map(|states| &states[at]);
         PathPose::of(own.robot, own.time, own.position, state, covariance)
     };
     let poses: Vec<PathPose> = drive.order.iter().zip(&top.point.poses).enumerate().map(pose).collect();
     let after = 2 * nodes.len();
-    let deviation =
-        |entry: usize| covariances.as_ref().map_or(0.0, |(_, border)| border[(entry, entry)].max(0.0).sqrt());
+    let deviation = |entry: usize| {
+        let variance = |factor: &Factor| factor.covariance_of_border(entry, entry);
+        top.curvature.as_ref().map_or(0.0, variance).max(0.0).sqrt()
+    };
     let fit = PathFit {
         poses: poses.len(),
         nodes: nodes.iter().map(|node| log.names()[node.node.index()].clone()).collect(),

@@ -148,9 +148,12 @@ impl PacketProblem<'_> {
 
     /// What the nodes add to the logarithm of the determinant of a curvature, which has them as free places.
     pub(super) fn log_determinant_of_nodes(&self, system: &ChainSystem) -> f64 {
-        let block =
-            |node: usize| system.border.fixed_view::<2, 2>(2 * node, 2 * node).determinant().max(f64::MIN_POSITIVE);
-        (0..self.grids.len()).map(|node| libm::log(block(node))).sum()
+        let of_node = |node: usize| {
+            let (x, y) = (2 * node, 2 * node + 1);
+            let determinant = system.between(x, x) * system.between(y, y) - system.between(x, y).powi(2);
+            libm::log(determinant.max(f64::MIN_POSITIVE))
+        };
+        (0..self.grids.len()).map(of_node).sum()
     }
 }
 
@@ -204,18 +207,20 @@ impl Hill for PacketProblem<'_> {
         let mut system = ChainSystem::zeros(at.poses.len(), at.border.len());
         for (node, slopes) in found.into_iter().enumerate() {
             for PoseSlope { pose, slope, information } in slopes {
-                for row in 0..2 {
-                    system.slopes[pose][row] += slope[row];
-                    for column in 0..2 {
-                        let entry = information[(row, column)];
-                        system.states[pose][(row, column)] += entry;
-                        system.sides[pose][(row, 2 * node + column)] -= entry;
-                        system.border[(2 * node + row, 2 * node + column)] += entry;
-                    }
+                let (x, y) = (2 * node, 2 * node + 1);
+                let mut state = system.states[pose].fixed_view_mut::<2, 2>(0, 0);
+                state += information;
+                for axis in 0..2 {
+                    system.slopes[pose][axis] += slope[axis];
+                    let side = Vector4::new(information[(0, axis)], information[(1, axis)], 0.0, 0.0);
+                    system.add_to_side(pose, x + axis, -side);
+                }
+                for (entry, other, [row, column]) in [(x, x, [0, 0]), (x, y, [0, 1]), (y, y, [1, 1])] {
+                    system.add_to_border(entry, other, information[(row, column)]);
                 }
             }
-            for row in 0..2 {
-                system.border[(2 * node + row, 2 * node + row)] += 1e-6;
+            for entry in [2 * node, 2 * node + 1] {
+                system.add_to_border(entry, entry, 1e-6);
             }
         }
         let larger = 1.0 + at.border[self.odometry.scale].max(-0.9);

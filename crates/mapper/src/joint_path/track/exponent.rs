@@ -54,6 +54,6 @@ pub(super) fn most_likely(
     let best = middle + if is_top { 0.5 * STEP * (below.0 - above.0) / bend } else { 0.0 };
     let (_, found) = tried(best, &at_middle.1.point)?;
     // What is not known of the exponent is part of what is not known of the track.
-    let curvature = problem.system(&found.point).eliminated(0.0);
+    let curvature = problem.system(&found.point).factor(0.0);
     Ok(Top { curvature, settled: found.settled && is_top, ..found })
 }

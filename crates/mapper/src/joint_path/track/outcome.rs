@@ -9,6 +9,7 @@ use super::motion::{FreeMotion, Motion};
 use super::problem::{TrackPoint, TrackProblem, path_loss};
 use super::regions::{by_place, is_among};
 use super::report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+use crate::joint_path::chain::Factor;
 use crate::joint_path::climb::Top;
 
 /// Clocks of ranges and of whoever uses the track differ by about that (s).
@@ -22,7 +23,7 @@ pub(super) fn tracked(
     is_among_receivers: bool,
     may_be_mirrored: bool,
 ) -> Track {
-    let covariances = top.curvature.as_ref().map(|curvature| curvature.covariances().0);
+    let covariances = top.curvature.as_ref().map(Factor::covariances);
     let by_place = by_place(problem, &top.point);
     let (border, at) = (&top.point.border, problem.border);
     let height_m = border[at.height()];

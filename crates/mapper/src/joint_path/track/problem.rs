@@ -220,7 +220,7 @@ impl Hill for TrackProblem<'_> {
         }
         self.motion.add(&mut system, &at.states, &at.border);
         for (entry, mean, deviation) in self.priors() {
-            system.border[(entry, entry)] += deviation.powi(-2);
+            system.add_to_border(entry, entry, deviation.powi(-2));
             system.border_slope[entry] -= (at.border[entry] - mean) / deviation.powi(2);
         }
         system
