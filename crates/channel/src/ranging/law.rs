@@ -198,7 +198,35 @@ impl PreparedRangeErrorLaw {
         }
     }
 
+    /// Calls `with` for each of some ranges that are so much too long: with its number, its density and the derivatives.
+    pub fn each_density(&self, errors_m: &[f64], mut with: impl FnMut(usize, RangeErrorDensity)) {
+        /// So many ranges are worked on together.
+        const TOGETHER: usize = 16;
+        let (mut errors, mut columns) = ([0.0; TOGETHER], [[0.0; TOGETHER]; 7]);
+        for (first, block) in (0..).step_by(TOGETHER).zip(errors_m.chunks(TOGETHER)) {
+            errors[..block.len()].copy_from_slice(block);
+            with_widest_vectors(
+                #[inline(always)]
+                || {
+                    let [log_density, by_error, by_noise, by_excess, by_late, by_wild, stiffness] = &mut columns;
+                    for at in 0..TOGETHER {
+                        let density = self.density(errors[at]);
+                        (log_density[at], by_error[at], stiffness[at]) =
+                            (density.log_density, density.by_error, density.stiffness);
+                        [by_noise[at], by_excess[at], by_late[at], by_wild[at]] = density.by_law;
+                    }
+                },
+            );
+            for at in 0..block.len() {
+                let [log_density, by_error, noise, excess, late, wild, stiffness] = columns.map(|column| column[at]);
+                let by_law = [noise, excess, late, wild];
+                with(first + at, RangeErrorDensity { log_density, by_error, by_law, stiffness });
+            }
+        }
+    }
+
     /// The density of a range that is `error_m` too long, and its derivatives.
+    #[inline(always)]
     #[must_use]
     pub fn density(&self, error_m: f64) -> RangeErrorDensity {
         let Self { noise_m, excess_m, ratio, shares, .. } = *self;
@@ -260,6 +288,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn densities_of_many_ranges_are_those_of_single_ones() {
+        let law = RangeErrorLaw::of(LAWS[0]).prepared();
+        let errors: Vec<f64> = (0..37).map(|at| 0.3 * f64::from(at) - 5.0).collect();
+        let mut found = Vec::new();
+        law.each_density(&errors, |at, density| found.push((at, density)));
+        let expected: Vec<_> = errors.iter().map(|&error| law.density(error)).enumerate().collect();
+        assert_eq!(found, expected);
     }
 
     #[test]

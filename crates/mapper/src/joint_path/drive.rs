@@ -131,10 +131,26 @@ impl EstimatedPath {
     }
 }
 
-/// Estimates the path from ranges: see [`super::estimate_path`]. At last, odometry is as wrong as the evidence says, or by `sure`: then
-/// the search has one start.
+/// The nodes by ranges on the believed path.
+pub(super) struct BelievedMap {
+    map: TopologyMap,
+    /// How late the ranges are by its law (s).
+    delay_s: f64,
+}
+
+impl BelievedMap {
+    pub(super) fn of(log: &ReceptionLog, watch: &dyn Watch) -> Result<Self, MapError> {
+        let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+        let (map, fit) = estimator.map(log, watch)?;
+        Ok(Self { map, delay_s: fit.map_or(0.0, |fit| fit.delay_s) })
+    }
+}
+
+/// Estimates the path from ranges: see [`super::estimate_path`]. The search starts with the places of `believed`. At last, odometry is
+/// as wrong as the evidence says, or by `sure`: then the search has one start.
 pub(super) fn by_ranges(
     log: &ReceptionLog,
+    believed: &BelievedMap,
     odometry: PathError,
     known: &[(NodeId, Position)],
     sure: Option<PathError>,
@@ -146,15 +162,15 @@ pub(super) fn by_ranges(
         what: "measured ranges to two nodes or more that agree on places",
         remedy: "they stand in `ranges.csv` beside the path, each with its time",
     };
-    let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-    let (map, believed) = estimator.map(log, watch)?;
     let mut nodes = vec![None; log.node_count()];
     let (mut starts, mut places) = (Vec::new(), Vec::<KnownPlace>::new());
     let mut ids = Vec::new();
-    for (number, estimate) in map.estimates.iter().enumerate() {
+    for (number, estimate) in believed.map.estimates.iter().enumerate() {
         let node = NodeId::from_index(number);
         let place = known.iter().find(|(known, _)| *known == node).map(|&(_, place)| place);
-        let told = estimate.as_ref().filter(|estimate| estimate.concern != Some(Concern::TooFew));
+        let told = estimate
+            .as_ref()
+            .filter(|estimate| estimate.concern != Some(Concern::TooFew) && !log.ranges_to(node).is_empty());
         let Some(start) = place.or(told.map(|estimate| estimate.position)) else { continue };
         nodes[number] = Some(starts.len());
         starts.push(start);
@@ -192,8 +208,8 @@ pub(super) fn by_ranges(
     // Two starts: the places and the delay that suit the believed path best by the law of ranges, and those of plain least squares.
     let plain: Vec<Position> = (0..starts.len()).map(|node| least_squares(&keyframes, node, starts[node])).collect();
     let mut best: Option<(DriveProblem<'_>, Top<DrivePoint>)> = None;
-    let delay_s = believed.map_or(0.0, |fit| fit.delay_s);
-    for (starts, delay_s) in [(&starts, delay_s), (&plain, 0.0)].into_iter().take(if sure.is_some() { 1 } else { 2 })
+    for (starts, delay_s) in
+        [(&starts, believed.delay_s), (&plain, 0.0)].into_iter().take(if sure.is_some() { 1 } else { 2 })
     {
         let (problem, top) = annealed(problem.clone(), &keyframes, starts, delay_s, watch)?;
         if best.as_ref().is_none_or(|(_, best)| top.value > best.value) {

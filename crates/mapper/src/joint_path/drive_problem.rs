@@ -121,10 +121,9 @@ impl Hill for DriveProblem<'_> {
 
     fn system(&self, at: &DrivePoint) -> ChainSystem {
         let mut system = ChainSystem::zeros(at.poses.len(), at.border.len());
-        let law = self.law.prepared();
-        for range in self.ranges {
+        self.law.prepared().each_density(&self.errors_m(at), |number, density| {
+            let range = &self.ranges[number];
             let (apart, distance_m) = self.apart(range, at);
-            let density = law.density(self.error_m(range, distance_m, &at.border));
             let longer = (1.0 + at.border[self.shared(SCALE_OF_RANGES)]) / distance_m;
             let (sin, cos) = libm::sincos(at.poses[range.pose][2]);
             let [x, y] = self.offset(range, at);
@@ -142,7 +141,7 @@ impl Hill for DriveProblem<'_> {
             ];
             let (weight, slope) = (self.worth * density.stiffness, self.worth * density.by_error);
             system.add(range.pose, by_pose, None, &by_border, weight, slope);
-        }
+        });
         self.odometry.add(&mut system, &at.poses, &at.border);
         for (entry, mean, deviation) in self.priors() {
             system.add_to_border(entry, entry, deviation.powi(-2));

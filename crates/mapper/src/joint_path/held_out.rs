@@ -5,7 +5,7 @@ use sextant_channel::{Position, RangeSample, ReceptionLog};
 use sextant_kernel::{NodeId, Watch};
 
 use super::PathError;
-use super::drive::{EstimatedPath, KNOWN_M, by_ranges};
+use super::drive::{BelievedMap, EstimatedPath, KNOWN_M, by_ranges};
 use super::packet_path::{PacketNodes, by_packets};
 use super::report::{ContradictedPlace, HeldOut};
 use crate::error::MapError;
@@ -46,7 +46,8 @@ pub fn estimate_path(
         }
         return Ok(whole.held_to(Some(HeldOut::of_nodes(&gains))));
     }
-    let whole = by_ranges(log, odometry, known, None, watch)?;
+    let believed = BelievedMap::of(log, watch)?;
+    let whole = by_ranges(log, &believed, odometry, known, None, watch)?;
     let nodes = whole.nodes(log);
     let unknown: Vec<NodeId> =
         nodes.into_iter().filter(|node| !known.iter().any(|(known, _)| known == node)).collect();
@@ -56,7 +57,7 @@ pub fn estimate_path(
     for fold in 0..folds {
         let is_left_out = |node| unknown.iter().position(|other| *other == node).is_some_and(|at| at % folds == fold);
         let own = with_ranges_of(log, |node| !is_left_out(node));
-        if let Ok(path) = by_ranges(&own, odometry, known, Some(whole.fit.odometry), watch) {
+        if let Ok(path) = by_ranges(&own, &believed, odometry, known, Some(whole.fit.odometry), watch) {
             gains.extend(range_gain(&with_ranges_of(log, is_left_out), &path, watch)?);
         }
         watch.check()?;

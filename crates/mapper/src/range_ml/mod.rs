@@ -12,6 +12,7 @@ mod problem;
 mod report;
 mod solution;
 mod spread;
+mod sums;
 mod unit;
 
 use sextant_channel::ReceptionLog;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_4;
 use nalgebra::Matrix2;
 
 use super::groups::RangeGroup;
-use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Residual, Shared};
+use super::problem::{Effort, HeightPrior, NodeMode, NodeState, Problem, Residual, Sample, Shared};
 use crate::comparators::lateration::{Range, refine};
 use crate::numerics::median;
 
@@ -22,7 +22,7 @@ pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Ve
     let (middle, usual_m) = middle(groups);
     let height = problem.heights.mean_m;
     let lift = if problem.heights.is_given() { 0.0 } else { ABOVE_M };
-    let ranges: Vec<Range> = groups.iter().map(|group| Range::new(group.position.into(), group.range_m)).collect();
+    let ranges = to_stops(Sample::few(groups.len()).of(groups));
     let mut starts: Vec<NodeState> = Vec::new();
     for [x, y] in round(middle, usual_m) {
         let place = refine([x, y, height].into(), &ranges, 2);
@@ -49,6 +49,10 @@ pub(super) fn modes(problem: &Problem<'_>, number: usize, shared: &Shared) -> Ve
     found
 }
 
+fn to_stops<'a>(groups: impl IntoIterator<Item = &'a RangeGroup>) -> Vec<Range> {
+    groups.into_iter().map(|group| Range::new(group.position.into(), group.range_m)).collect()
+}
+
 /// Places all around, as far off as ranges usually are.
 fn round(middle: [f64; 2], usual_m: f64) -> impl Iterator<Item = [f64; 2]> {
     (0..8).map(move |eighth| {
@@ -60,9 +64,12 @@ fn round(middle: [f64; 2], usual_m: f64) -> impl Iterator<Item = [f64; 2]> {
 /// The place of a node by plain least squares from places all around, and the sum of the squares of its errors (m²).
 pub(super) fn least_squares(groups: &[RangeGroup], heights: HeightPrior) -> (NodeState, f64) {
     let (middle, usual_m) = middle(groups);
-    let ranges: Vec<Range> = groups.iter().map(|group| Range::new(group.position.into(), group.range_m)).collect();
+    let (some, all) = (to_stops(Sample::few(groups.len()).of(groups)), to_stops(groups));
     let of = |[x, y]: [f64; 2]| {
-        let place = refine([x, y, heights.mean_m].into(), &ranges, 2);
+        let mut place = refine([x, y, heights.mean_m].into(), &some, 2);
+        if some.len() < all.len() {
+            place = refine(place, &all, 2);
+        }
         let state = NodeState::new(place.x_m, place.y_m, place.z_m, 0.0);
         let square = |group: &RangeGroup| Residual::of(group, &state, &Shared::zeros()).error_m.powi(2);
         (state, groups.iter().map(square).sum::<f64>())

@@ -6,6 +6,7 @@ use sextant_channel::RangeErrorLaw;
 
 use super::error_law::bounded;
 use super::groups::{RangeGroup, RangeGroups};
+use super::sums::{ByPlace, NodeSlopes, RangeSums};
 
 /// Number of parameters that all ranges share.
 pub(super) const SHARED: usize = 7;
@@ -17,7 +18,7 @@ pub(super) const ERRORS: usize = 3;
 
 pub(super) type Shared = SVector<f64, SHARED>;
 pub(super) type SharedMatrix = SMatrix<f64, SHARED, SHARED>;
-type Mixed = SMatrix<f64, 4, SHARED>;
+pub(super) type Mixed = SMatrix<f64, 4, SHARED>;
 
 /// What is sought of a node: x, y, z (m) and how much longer its ranges are than those of others (m).
 pub(super) type NodeState = Vector4<f64>;
@@ -100,27 +101,7 @@ const LEAST_CURVATURE: f64 = 0.1;
 /// A curvature is no better known than to this share.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// The slope of the log-posterior by the state of a node, and its curvature.
-#[derive(Clone, Copy, Debug)]
-struct NodeSlopes {
-    value: f64,
-    slope: Vector4<f64>,
-    curvature: Matrix4<f64>,
-    mixed: Mixed,
-    shared_slope: Shared,
-    shared_curvature: SharedMatrix,
-}
-
-impl NodeSlopes {
-    /// Adds a curvature of so much along a direction.
-    fn add(&mut self, by_node: &Vector4<f64>, by_shared: &Shared, much: f64) {
-        self.curvature += by_node * by_node.transpose() * much;
-        self.mixed += by_node * by_shared.transpose() * much;
-        self.shared_curvature += by_shared * by_shared.transpose() * much;
-    }
-}
-
-/// The same by everything that is sought.
+/// The slope of the log-posterior by everything that is sought, and its curvature.
 #[derive(Clone, Debug)]
 pub(super) struct Slopes {
     nodes: Vec<NodeSlopes>,
@@ -175,10 +156,11 @@ impl Problem<'_> {
     }
 
     /// The logarithm of the posterior of one node given the rest.
-    pub(super) fn node_value(&self, number: usize, node: &NodeState, shared: &Shared) -> f64 {
+    fn node_value(&self, number: usize, node: &NodeState, shared: &Shared, sample: Sample) -> f64 {
         let law = errors(shared).prepared();
+        let groups = sample.of(self.groups.of_node(number));
         let error_m = |group: &RangeGroup| Residual::of(group, node, shared).error_m;
-        self.worth * law.log_likelihood(self.groups.of_node(number).iter().map(error_m)) + self.node_prior(node)
+        self.worth * sample.weight() * law.log_likelihood(groups.map(error_m)) + self.node_prior(node)
     }
 
     /// The number of coordinates that take errors away: of many ranges they take nearly none.
@@ -196,7 +178,7 @@ impl Problem<'_> {
     /// The logarithm of the posterior, with the places integrated over as far as they shrink the noise.
     pub(super) fn value(&self, point: &Point) -> f64 {
         let values: Vec<f64> = (point.nodes.par_iter().enumerate())
-            .map(|(number, node)| self.node_value(number, node, &point.shared))
+            .map(|(number, node)| self.node_value(number, node, &point.shared, Sample::ALL))
             .collect();
         values.into_iter().sum::<f64>() + self.shared_prior(&point.shared) + self.of_places(&point.shared)
     }
@@ -204,63 +186,52 @@ impl Problem<'_> {
     /// Slopes by the state of one node. The curvature is the sum of the squared slopes of single groups (Berndt et al. 1974),
     /// which needs no second derivative and is never negative. Of few groups, it is mostly that of Gauss and Newton. A range that fits
     /// exactly has no slope, so that each has a least curvature.
-    fn node_slopes(&self, number: usize, node: &NodeState, shared: &Shared) -> NodeSlopes {
-        let law = errors(shared).prepared();
-        let mut found = NodeSlopes {
-            value: 0.0,
-            slope: Vector4::zeros(),
-            curvature: Matrix4::zeros(),
-            mixed: Mixed::zeros(),
-            shared_slope: Shared::zeros(),
-            shared_curvature: SharedMatrix::zeros(),
-        };
-        let (groups, usual) = (self.groups.of_node(number), self.groups.usual_slopes(number));
-        for group in groups {
-            let residual = Residual::of(group, node, shared);
-            let density = law.density(residual.error_m);
-            found.value += density.log_density;
-            let slope = density.by_error;
-            // The error by the state of the node and by what all ranges share.
-            let per_metre = -(1.0 + shared[SCALE]) / residual.distance_m;
-            let apart = residual.apart;
+    fn node_slopes(
+        &self,
+        number: usize,
+        node: &NodeState,
+        shared: &Shared,
+        sample: Sample,
+        of_law: bool,
+    ) -> NodeSlopes {
+        let groups: Vec<&RangeGroup> = sample.of(self.groups.of_node(number)).collect();
+        let usual = self.groups.usual_slopes(number);
+        let residuals: Vec<Residual> = groups.iter().map(|group| Residual::of(group, node, shared)).collect();
+        let errors_m: Vec<f64> = residuals.iter().map(|residual| residual.error_m).collect();
+        let mut sums = RangeSums::zeros();
+        errors(shared).prepared().each_density(&errors_m, |at, density| {
+            let Residual { apart, distance_m, .. } = residuals[at];
+            let per_metre = -(1.0 + shared[SCALE]) / distance_m;
             let vertical = if self.heights.is_given() { 0.0 } else { per_metre * apart[2] };
-            let by_node = Vector4::new(per_metre * apart[0], per_metre * apart[1], vertical, -1.0);
-            let mut by_shared = Shared::zeros();
-            by_shared[BIAS] = -1.0;
-            by_shared[SCALE] = -residual.distance_m;
-            let closing: f64 = apart.iter().zip(&group.velocity).map(|(apart, velocity)| apart * velocity).sum();
-            by_shared[DELAY] = per_metre * closing;
-            let mut by_law = Shared::zeros();
-            for (at, by) in density.by_law.into_iter().enumerate() {
-                by_law[ERRORS + at] = by;
+            let closing: f64 = apart.iter().zip(&groups[at].velocity).map(|(apart, velocity)| apart * velocity).sum();
+            let (x, y) = (per_metre * apart[0], per_metre * apart[1]);
+            let by = ByPlace::new(x, y, vertical, -1.0, -distance_m, per_metre * closing);
+            let of_slopes = (density.by_error * density.by_error).max(LEAST_CURVATURE * density.stiffness);
+            sums.add_place(&density, &by, usual * density.stiffness + (1.0 - usual) * of_slopes);
+            if of_law {
+                sums.add_law(&density, &by, 1.0 - usual);
             }
-            let least = (LEAST_CURVATURE * density.stiffness - slope * slope).max(0.0);
-            found.add(&by_node, &by_shared, usual * density.stiffness + (1.0 - usual) * least);
-            found.shared_curvature += by_law * by_law.transpose() * usual;
-            let shared_slope = by_shared * slope + by_law;
-            let node_slope = by_node * slope;
-            found.slope += node_slope;
-            found.shared_slope += shared_slope;
-            found.add(&node_slope, &shared_slope, 1.0 - usual);
-        }
+        });
+        let mut found = sums.slopes();
+        let worth = self.worth * sample.weight();
         let precision = self.node_precision();
         let from_mean = Vector4::new(0.0, 0.0, node[2] - self.heights.mean_m, node[3]);
-        found.value = self.worth * found.value + self.node_prior(node);
-        found.slope = found.slope * self.worth - precision.component_mul(&from_mean);
-        found.curvature = found.curvature * self.worth + Matrix4::from_diagonal(&precision);
+        found.value = worth * found.value + self.node_prior(node);
+        found.slope = found.slope * worth - precision.component_mul(&from_mean);
+        found.curvature = found.curvature * worth + Matrix4::from_diagonal(&precision);
         if self.heights.is_given() {
             found.curvature[(2, 2)] = 1.0;
         }
-        found.mixed *= self.worth;
-        found.shared_slope *= self.worth;
-        found.shared_curvature *= self.worth;
+        found.mixed *= worth;
+        found.shared_slope *= worth;
+        found.shared_curvature *= worth;
         found
     }
 
     /// Slopes by everything.
     pub(super) fn slopes(&self, point: &Point) -> Slopes {
         let nodes: Vec<NodeSlopes> = (point.nodes.par_iter().enumerate())
-            .map(|(number, node)| self.node_slopes(number, node, &point.shared))
+            .map(|(number, node)| self.node_slopes(number, node, &point.shared, Sample::ALL, true))
             .collect();
         let precision = self.prior.deviation.map(|deviation| deviation.powi(-2));
         let mut shared_slope = -precision.component_mul(&(point.shared - self.prior.mean));
@@ -282,19 +253,20 @@ impl Problem<'_> {
         shared: &Shared,
         effort: Effort,
     ) -> Option<NodeMode> {
-        let (steps, least_gain) = match effort {
-            Effort::Look => (25, 0.05),
-            Effort::Settle => (100, 1e-5),
+        let (steps, least_gain, sample) = match effort {
+            Effort::Look => (25, 0.05, Sample::few(self.groups.of_node(number).len())),
+            Effort::Settle => (100, 1e-5, Sample::ALL),
         };
+        let slopes_at = |state: &NodeState| self.node_slopes(number, state, shared, sample, false);
         let (mut state, mut damping) = (start, 1e-3);
-        let mut slopes = self.node_slopes(number, &state, shared);
+        let mut slopes = slopes_at(&state);
         for _ in 0..steps {
             let damped = damp(slopes.curvature, damping);
             let step = damped.cholesky()?.solve(&slopes.slope);
             let next = state + step;
-            let gain = self.node_value(number, &next, shared) - slopes.value;
+            let gain = self.node_value(number, &next, shared, sample) - slopes.value;
             if gain > 0.0 {
-                (state, slopes) = (next, self.node_slopes(number, &next, shared));
+                (state, slopes) = (next, slopes_at(&next));
                 damping = (damping * 0.2).max(1e-9);
                 if gain < least_gain {
                     break;
@@ -316,10 +288,33 @@ impl Problem<'_> {
 /// How far a mode is climbed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effort {
-    /// Near enough to tell which mode it is.
+    /// Near enough to tell which mode it is, by some of the ranges if there are many.
     Look,
     /// To its top.
     Settle,
+}
+
+/// Every so many of the ranges of a node, each of which stands for all of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample(usize);
+
+impl Sample {
+    const ALL: Self = Self(1);
+
+    /// Enough of so many ranges to tell a place roughly.
+    pub(super) fn few(ranges: usize) -> Self {
+        /// So many are enough.
+        const ENOUGH: usize = 100;
+        Self((ranges / ENOUGH).max(1))
+    }
+
+    pub(super) fn of<T>(self, ranges: &[T]) -> impl Iterator<Item = &T> {
+        ranges.iter().step_by(self.0)
+    }
+
+    fn weight(self) -> f64 {
+        self.0 as f64
+    }
 }
 
 /// A place of a node that is likelier than those around it.
