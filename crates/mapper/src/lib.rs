@@ -91,9 +91,9 @@ pub use grid_ml::{
     Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm, NetworkFits,
 };
 pub use joint_path::{
-    ContradictedPlace, DoubtedReceiver, EstimatedPath, HeldOut, LateClock, OnEstimatedPath, OnRobot, PathError,
-    PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, RangeFault, TagReading, TagValue, Track, TrackFit,
-    TrackMotion, TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, estimate_path, track,
+    ContradictedPlace, DoubtedReceiver, EstimatedPath, FrameOfNodes, HeldOut, LateClock, OnEstimatedPath, OnRobot,
+    PathError, PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, RangeFault, TagReading, TagValue, Track,
+    TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

@@ -30,8 +30,8 @@ pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
 
 fn too_small(log: &ReceptionLog) -> Option<Finding> {
     let mut places: Vec<[f64; 3]> = log.stops().iter().map(|stop| stop.position.into()).collect();
-    places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    places.dedup_by(|a, b| a[0].to_bits() == b[0].to_bits() && a[1].to_bits() == b[1].to_bits());
+    places.sort_by(|a, b| a.map(f64::to_bits).cmp(&b.map(f64::to_bits)));
+    places.dedup_by_key(|place| place.map(f64::to_bits));
     let along = |axis: usize| {
         let values = places.iter().map(|place| place[axis]);
         let [low, high] =
@@ -41,7 +41,7 @@ fn too_small(log: &ReceptionLog) -> Option<Finding> {
     if places.len() < LEAST_PLACES {
         return None;
     }
-    let extent_m = libm::hypot(along(0), along(1));
+    let extent_m = libm::hypot(libm::hypot(along(0), along(1)), along(2));
     (extent_m < LEAST_M).then(|| Finding {
         check: "extent",
         odd: format!("all {} places of the survey are within {extent_m:.3} m", places.len()),

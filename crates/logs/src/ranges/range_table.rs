@@ -1,13 +1,15 @@
 //! `ranges.csv`: one row for each distance that a robot measured, at a stop or on its path.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 
 use sextant_channel::{Mounting, Position, RangeSample, ReceptionLog, Stop};
 use sextant_kernel::text::counted;
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::levers::Levers;
-use super::units::{self, OTHER_COLUMNS, RANGE_COLUMNS, RANGES};
+use super::odd_values;
+use super::units::{OTHER_COLUMNS, RANGE_COLUMNS, RANGES};
 use crate::csv::header::{KnownColumns, Others};
 use crate::csv::output::Output;
 use crate::csv::table::{Column, Table, TableRow};
@@ -15,7 +17,7 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
-use crate::median::median_by;
+use crate::packets::cover;
 use crate::path::robot_path::Path;
 use crate::time::instant;
 
@@ -26,10 +28,6 @@ const WRITTEN: [&str; 10] =
 const OWN_PLACE: [&str; 6] = ["x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s"];
 /// The longest range that a device of a robot can have measured (m).
 pub(crate) const LONGEST_M: f64 = 1e6;
-/// Of ranges in coarse steps each value is repeated: one is odd if it is more frequent than the others by this factor.
-const COARSE: usize = 4;
-/// A value that so many ranges have, and this share of them, is no measurement.
-const REPEATED: (usize, f64) = (20, 0.02);
 
 /// Where robots were when they measured.
 #[derive(Clone, Copy)]
@@ -91,7 +89,7 @@ pub(crate) fn read(
     let mut numbers: BTreeMap<String, NodeId> =
         known.iter().enumerate().map(|(number, name)| (name.clone(), NodeId::from_index(number))).collect();
     let mut read = ReadRanges { samples: Vec::new(), strangers: Vec::new() };
-    let (mut failed, mut zero, mut outside) = (0_usize, 0_usize, 0_usize);
+    let (mut failed, mut zero, mut outside, mut span) = (0_usize, 0_usize, 0_usize, None::<(SimTime, SimTime)>);
     table.rows(|row| {
         let name = row.node(node)?;
         if row.is_blank(range) {
@@ -108,6 +106,10 @@ pub(crate) fn read(
         }
         let Some(Pose { robot, time, position, velocity }) = placing.pose(row)? else {
             outside += 1;
+            if let Some(time) = placing.time_of(row)? {
+                let (first, last) = span.unwrap_or((time, time));
+                span = Some((first.min(time), last.max(time)));
+            }
             return Ok(());
         };
         let next = NodeId::from_index(known.len() + read.strangers.len());
@@ -137,18 +139,19 @@ pub(crate) fn read(
             counted(outside, "range")
         ));
     }
-    notes.extend(repeated(&name, &read.samples));
-    notes.extend(units::note(&name, &read.samples));
-    let negative = read.samples.iter().filter(|sample| sample.range_m < 0.0).count();
-    if negative > 0 {
-        notes.push(format!(
-            "{name}: {} below 0: devices report that near a node where ranges are too short; if a column is in another unit, \
-             name it {OTHER_COLUMNS}",
-            counted(negative, "range")
-        ));
-    }
+    notes.extend(odd_values::notes(&name, &read.samples));
     if read.samples.is_empty() {
-        let problem = format!("{} have no range on the path or at a stop", counted(failed + zero + outside, "row"));
+        let mut problem =
+            format!("{} have no range on the path or at a stop", counted(failed + zero + outside, "row"));
+        if let (Some((first, last)), Whereabouts::Paths { paths, .. }) = (span, whereabouts) {
+            let (begin, end) = cover::span(paths.iter().copied());
+            let [first, last, begin, end] = [first, last, begin, end].map(instant::format);
+            let _ = write!(
+                problem,
+                ": ranges outside of the path are from {first} s to {last} s, the path is from {begin} s to {end} s; both need times of \
+                 the same clock, and columns of the unit of their times (t_s, t_ms, t_ns)"
+            );
+        }
         return Err(RobotLogError::NoRanges { name, problem });
     }
     read.samples.sort_by_key(|sample| sample.time);
@@ -186,36 +189,6 @@ pub(crate) fn optional_range_column(table: &Table<'_>) -> Result<Option<(Column,
                 .wrong_header(format!("found ranges in several units; allowed: one of range_m, {OTHER_COLUMNS}")))
         }
     }
-}
-
-/// A note on a value that too many ranges have.
-fn repeated(name: &str, samples: &[RangeSample]) -> Option<String> {
-    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    for sample in samples {
-        *counts.entry(sample.range_m.to_bits()).or_default() += 1;
-    }
-    let mut usual: Vec<usize> = counts.values().copied().collect();
-    let usual = median_by(&mut usual, Ord::cmp)?;
-    let (bits, count) = counts.into_iter().max_by_key(|&(_, count)| count)?;
-    let share = count as f64 / samples.len() as f64;
-    // Devices with coarse steps repeat values as well, in all places.
-    let is_one = count >= REPEATED.0 && count > COARSE * usual && share >= REPEATED.1 && {
-        let places = samples.iter().filter(|sample| sample.range_m.to_bits() == bits).map(|sample| sample.position);
-        let corners = places.fold(None, |corners: Option<(Position, Position)>, place| {
-            let (low, high) = corners.unwrap_or((place, place));
-            let low = Position::new(low.x_m.min(place.x_m), low.y_m.min(place.y_m), low.z_m.min(place.z_m));
-            let high = Position::new(high.x_m.max(place.x_m), high.y_m.max(place.y_m), high.z_m.max(place.z_m));
-            Some((low, high))
-        });
-        corners.is_some_and(|(low, high)| low.distance_m(high) > 5.0)
-    };
-    is_one.then(|| {
-        format!(
-            "{name}: {count} ranges are exactly {} m, in places far apart: if the device reports that for failed tries, leave \
-             these cells empty",
-            f64::from_bits(bits)
-        )
-    })
 }
 
 impl<'a> Placing<'a> {
@@ -273,6 +246,11 @@ impl<'a> Placing<'a> {
             Whereabouts::Paths { robots, .. } => robots.get(robot.index()).map_or("", String::as_str),
             Whereabouts::Stops { .. } => "",
         }
+    }
+
+    /// The time of a row, if it has one from 0 on.
+    fn time_of(&self, row: &TableRow<'_>) -> Result<Option<SimTime>, RobotLogError> {
+        self.time.filter(|&times| !row.is_before_zero(times)).map(|times| row.instant(times)).transpose()
     }
 
     /// Where the robot was when it measured the range of a row; `None` if that is not known.

@@ -96,7 +96,7 @@ impl EstimatedPath {
     pub fn widen(&self, map: &mut TopologyMap) {
         /// So many of the nearest poses are near a node.
         const NEAR: usize = 10;
-        if !self.fit.is_moved() {
+        if !self.fit.is_moved() && self.fit.framed.is_none() {
             return;
         }
         for estimate in map.estimates.iter_mut().flatten() {
@@ -133,7 +133,7 @@ impl EstimatedPath {
 
 /// The nodes by ranges on the believed path.
 pub(super) struct BelievedMap {
-    map: TopologyMap,
+    pub(super) map: TopologyMap,
     /// How late the ranges are by its law (s).
     delay_s: f64,
 }
@@ -334,6 +334,7 @@ fn estimated(
         most_moved_m: moved.fold(0.0, f64::max),
         held_out: None,
         contradicted: Vec::new(),
+        framed: None,
         late_clock: None,
         settled: top.settled && covariances.is_some(),
     };

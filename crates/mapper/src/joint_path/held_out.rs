@@ -62,40 +62,8 @@ pub fn estimate_path(
         }
         watch.check()?;
     }
-    let mut path = whole.held_to((!gains.is_empty()).then(|| HeldOut::of_parts(&gains)));
-    path.fit.contradicted = contradicted(log, &path, known, watch)?;
-    Ok(path)
-}
-
-/// The known places that are not in the regions which ranges on the path give their nodes.
-fn contradicted(
-    log: &ReceptionLog,
-    path: &EstimatedPath,
-    known: &[(NodeId, Position)],
-    watch: &dyn Watch,
-) -> Result<Vec<ContradictedPlace>, MapError> {
-    /// The square of the reach of a 95 % region, in standard deviations.
-    const REACH: f64 = 2.0 * LIKELY;
-    if known.is_empty() {
-        return Ok(Vec::new());
-    }
-    let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-    let mut map = estimator.map(&path.log(log), watch)?.0;
-    path.widen(&mut map);
-    let of = |&(node, place): &(NodeId, Position)| {
-        let estimate = map.estimates[node.index()].as_ref().filter(|estimate| estimate.concern.is_none())?;
-        let [[xx, xy, _], [_, yy, _], _] = estimate.covariance?;
-        let (x, y) = (estimate.position.x_m - place.x_m, estimate.position.y_m - place.y_m);
-        let apart_m = libm::hypot(x, y);
-        let variance = (xx * x * x + 2.0 * xy * x * y + yy * y * y) / (apart_m * apart_m).max(f64::MIN_POSITIVE);
-        let allowed_m = (REACH * (variance + KNOWN_M * KNOWN_M)).sqrt();
-        (apart_m > allowed_m).then(|| ContradictedPlace {
-            node: log.names()[node.index()].clone(),
-            apart_m,
-            allowed_m,
-        })
-    };
-    Ok(known.iter().filter_map(of).collect())
+    let path = whole.held_to((!gains.is_empty()).then(|| HeldOut::of_parts(&gains)));
+    path.checked(log, &believed, known, watch)
 }
 
 /// The same log with the ranges to some nodes alone.
@@ -118,6 +86,37 @@ fn range_gain(log: &ReceptionLog, path: &EstimatedPath, watch: &dyn Watch) -> Re
 }
 
 impl EstimatedPath {
+    /// The known places that are not in the regions which ranges on the path give their nodes.
+    pub(super) fn contradicted(
+        &self,
+        log: &ReceptionLog,
+        known: &[(NodeId, Position)],
+        watch: &dyn Watch,
+    ) -> Result<Vec<ContradictedPlace>, MapError> {
+        /// The square of the reach of a 95 % region, in standard deviations.
+        const REACH: f64 = 2.0 * LIKELY;
+        if known.is_empty() {
+            return Ok(Vec::new());
+        }
+        let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
+        let mut map = estimator.map(&self.log(log), watch)?.0;
+        self.widen(&mut map);
+        let of = |&(node, place): &(NodeId, Position)| {
+            let estimate = map.estimates[node.index()].as_ref().filter(|estimate| estimate.concern.is_none())?;
+            let [[xx, xy, _], [_, yy, _], _] = estimate.covariance?;
+            let (x, y) = (estimate.position.x_m - place.x_m, estimate.position.y_m - place.y_m);
+            let apart_m = libm::hypot(x, y);
+            let variance = (xx * x * x + 2.0 * xy * x * y + yy * y * y) / (apart_m * apart_m).max(f64::MIN_POSITIVE);
+            let allowed_m = (REACH * (variance + KNOWN_M * KNOWN_M)).sqrt();
+            (apart_m > allowed_m).then(|| ContradictedPlace {
+                node: log.names()[node.index()].clone(),
+                apart_m,
+                allowed_m,
+            })
+        };
+        Ok(known.iter().filter_map(of).collect())
+    }
+
     /// The path, if nodes that were left out gain so much by it, and the believed one otherwise. Without gains it is the path, which
     /// nothing has checked.
     fn held_to(mut self, held_out: Option<HeldOut>) -> Self {

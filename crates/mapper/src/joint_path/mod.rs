@@ -4,6 +4,7 @@ mod chain;
 mod climb;
 mod drive;
 mod drive_problem;
+mod framed;
 mod held_out;
 mod keyframes;
 mod odometry;
@@ -17,6 +18,7 @@ mod track;
 use std::str::FromStr;
 
 pub use drive::{EstimatedPath, PathPose};
+pub use framed::FrameOfNodes;
 pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
 pub use report::{ContradictedPlace, HeldOut, LateClock, PathFit, PathRanges};

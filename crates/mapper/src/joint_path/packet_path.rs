@@ -191,6 +191,7 @@ impl EstimatedPath {
             most_moved_m: 0.0,
             held_out: None,
             contradicted: Vec::new(),
+            framed: None,
             late_clock: Some(late),
             settled: true,
         };
@@ -439,6 +440,7 @@ fn estimated(
         most_moved_m: poses.iter().map(|pose| pose.position.distance_m(pose.believed)).fold(0.0, f64::max),
         held_out: None,
         contradicted: Vec::new(),
+        framed: None,
         late_clock: None,
         settled: settled && covariances.is_some(),
     };

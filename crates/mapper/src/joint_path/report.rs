@@ -5,6 +5,7 @@ use std::fmt;
 use sextant_kernel::text::counted;
 
 use super::PathError;
+use super::framed::FrameOfNodes;
 
 /// What was learned of odometry and ranges with a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,8 @@ pub struct PathFit {
     pub held_out: Option<HeldOut>,
     /// Known places that the ranges contradict.
     pub contradicted: Vec<ContradictedPlace>,
+    /// How the path was turned and shifted to known places, if that is all that was done to it.
+    pub framed: Option<FrameOfNodes>,
     /// The packets are late by the clock of the path, so that it was not estimated.
     pub late_clock: Option<LateClock>,
     /// Whether the search ended by itself.
@@ -129,6 +132,10 @@ struct PathKeys<'a> {
     settled: bool,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     contradicted: &'a [ContradictedPlace],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    turned_rad: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shifted_m: Option<[f64; 2]>,
     frame: &'static str,
     scale: f64,
     scale_sd: f64,
@@ -181,6 +188,8 @@ impl PathFit {
             most_moved_m: self.most_moved_m,
             settled: self.settled,
             contradicted: &self.contradicted,
+            turned_rad: self.framed.map(|framed| framed.turn_rad),
+            shifted_m: self.framed.map(|framed| framed.shift_m),
             frame: self.frame(),
             scale: self.scale,
             scale_sd: self.scale_deviation,
@@ -231,6 +240,14 @@ impl fmt::Display for PathFit {
                 2.0 * deviation_s,
                 if delay_s > 0.0 { "late" } else { "early" },
             );
+        }
+        if let Some(FrameOfNodes { turn_rad, shift_m: [x_m, y_m] }) = self.framed {
+            write!(
+                f,
+                "the path is turned by {:.1}° and shifted by ({x_m:.2}, {y_m:.2}) m to the places of {}; else ",
+                turn_rad.to_degrees(),
+                counted(self.known_nodes, "known node")
+            )?;
         }
         let by = if self.ranges.is_some() { "ranges" } else { "packets" };
         if let Some(HeldOut { gain, error, .. }) = self.held_out.filter(|_| !self.is_moved()) {

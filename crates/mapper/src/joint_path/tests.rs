@@ -223,3 +223,21 @@ fn a_path_does_not_bend_to_packets_that_are_late() {
     assert!(!found.fit.is_moved() && error_m(&found, &right) <= 0.0);
     assert!(found.fit.to_string().contains("2.00 ± 0.40 s late"), "{}", found.fit);
 }
+
+#[test]
+fn a_path_in_a_frame_of_its_own_is_turned_to_known_nodes() {
+    // Without drift, in a frame that is turned by 90° and shifted.
+    let turned = |[x, y]: [f64; 2]| place([40.0 - y, x - 7.0]);
+    let drive = drive(0.0);
+    let known = [0, 2].map(|node| (NodeId(node), turned(NODES[node as usize])));
+    let found = estimate_path(&log(&drive, true), PathError::default(), &known, &Unwatched).unwrap();
+    let off_m = found.poses.iter().zip(&drive).map(|(pose, (truth, _))| pose.position.distance_m(turned(*truth)));
+    assert!(off_m.fold(0.0, f64::max) < 0.2 && found.fit.contradicted.is_empty(), "{}", found.fit);
+    let framed = found.fit.framed.unwrap();
+    assert!((framed.turn_rad.to_degrees() - 90.0).abs() < 1.0 && !found.fit.is_moved(), "{}", found.fit);
+    assert!(found.fit.to_string().contains("to the places of 2 known nodes"), "{}", found.fit);
+    // In the frame of the nodes it stays.
+    let known = [0, 2].map(|node| (NodeId(node), place(NODES[node as usize])));
+    let found = estimate_path(&log(&drive, true), PathError::default(), &known, &Unwatched).unwrap();
+    assert_eq!((found.fit.framed, found.fit.is_moved()), (None, false), "{}", found.fit);
+}

@@ -51,6 +51,11 @@ impl Explained {
         self.mean_gain < LEAST_GAIN && self.share_left > LARGE
     }
 
+    /// Whether places explain the ranges better than a constant, however small the errors are.
+    pub(super) fn is_any(&self) -> bool {
+        self.mean_gain >= LEAST_GAIN
+    }
+
     /// Whether a constant explains the ranges of a node clearly better than its place.
     pub(super) fn is_no_place(&self, number: usize) -> bool {
         self.of_nodes[number] < -CLEAR

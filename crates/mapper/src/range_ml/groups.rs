@@ -1,6 +1,6 @@
 //! Ranges that were measured at nearly one place count once, because their errors are nearly the same.
 
-use sextant_channel::{Position, RangeSample, ReceptionLog};
+use sextant_channel::{Bounds, Position, RangeSample, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use crate::numerics::median;
@@ -83,6 +83,21 @@ impl RangeGroups {
         self.len() < MANY * self.nodes.len()
     }
 
+    /// The same with ranges that are so much longer (m).
+    pub(super) fn longer_by(&self, more_m: f64) -> Self {
+        let mut all = self.clone();
+        all.groups.iter_mut().for_each(|group| group.range_m += more_m);
+        all
+    }
+
+    /// How long the shortest ranges are (m), but for one in so many.
+    pub(super) fn short_m(&self, one_in: usize) -> f64 {
+        let mut ranges: Vec<f64> = self.groups.iter().map(|group| group.range_m).collect();
+        let at = ranges.len() / one_in;
+        ranges.select_nth_unstable_by(at, f64::total_cmp);
+        ranges[at]
+    }
+
     /// The share of the curvature of a node that is taken from the slopes that the law has on average, and not from those of its groups:
     /// a few of these tell little.
     pub(super) fn usual_slopes(&self, number: usize) -> f64 {
@@ -90,6 +105,12 @@ impl RangeGroups {
         const SLOPES: (f64, f64) = (50.0, 20.0);
         let groups = self.of_node(number).len() as f64;
         if self.are_few() || groups < SLOPES.1 { SLOPES.0 / (SLOPES.0 + groups) } else { 0.0 }
+    }
+
+    /// How large the way is on which they were measured (m).
+    pub(super) fn way_m(&self) -> f64 {
+        let places = self.groups.iter().map(|group| Position::from(group.position));
+        Bounds::of(places).map_or(0.0, |bounds| bounds.min.distance_m(bounds.max))
     }
 
     /// How long the ranges usually are (m).

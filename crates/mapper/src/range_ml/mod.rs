@@ -6,7 +6,9 @@ mod few;
 mod fit;
 mod groups;
 mod heights;
+mod late;
 mod modes;
+mod offset;
 mod places;
 mod problem;
 mod report;
@@ -15,7 +17,7 @@ mod spread;
 mod sums;
 mod unit;
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{RangeSample, ReceptionLog};
 use sextant_kernel::{SettingError, Watch};
 
 use self::groups::RangeGroups;
@@ -97,6 +99,22 @@ struct Settings {
     delay_error_s: f64,
 }
 
+/// What is wrong with all ranges by far more than usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct FarOff {
+    /// By how much they are too long (m).
+    offset_m: f64,
+    /// How late they are (s).
+    late_s: f64,
+}
+
+/// The log with ranges that are so much shorter (m).
+fn less(log: &ReceptionLog, offset_m: f64) -> ReceptionLog {
+    let shorter = |range: &RangeSample| RangeSample { range_m: range.range_m - offset_m, ..*range };
+    let ranges = log.ranges().iter().map(shorter).collect();
+    log.clone().with_ranges(ranges).unwrap_or_else(|error| unreachable!("the ranges of a log: {error}"))
+}
+
 impl RangeMl {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "range-ml";
@@ -107,8 +125,43 @@ impl RangeMl {
     /// # Errors
     /// [`MapError::Interrupted`] if `watch` ends the work.
     pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<RangeFit>), MapError> {
+        let Some(heights) = self.heights(log) else {
+            let map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
+            return Ok((map, None));
+        };
+        let found = self.map_at(log, heights, FarOff::default(), watch)?;
+        let (Some(fit), Some(usual_m)) = (&found.1, found.2) else { return Ok((found.0, found.1)) };
+        // What is wrong by far more than usual is found first, and what is left of it then.
+        let groups = RangeGroups::of(log, |count| count >= heights.least());
+        let offset_m = offset::offset_m(&self.settings, &groups, heights, watch)?.unwrap_or_default();
+        let late_s = if late::is_suspect(fit, usual_m) {
+            let shorter = less(log, offset_m);
+            late::delay_s(&self.settings, &shorter, heights, watch)?.unwrap_or_default()
+        } else {
+            0.0
+        };
+        let far_off = FarOff { offset_m, late_s };
+        let (map, fit, _) =
+            if far_off == FarOff::default() { found } else { self.map_at(log, heights, far_off, watch)? };
+        Ok((map, fit))
+    }
+
+    /// The map of ranges that are wrong by so much, what was learned of all ranges, and how long these usually are (m).
+    fn map_at(
+        &self,
+        log: &ReceptionLog,
+        heights: HeightPrior,
+        far_off: FarOff,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<RangeFit>, Option<f64>), MapError> {
         let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
-        let Some(heights) = self.heights(log) else { return Ok((map, None)) };
+        let right;
+        let log = if far_off == FarOff::default() {
+            log
+        } else {
+            right = less(&late::Paths::of(log).late_by(log, far_off.late_s), far_off.offset_m);
+            &right
+        };
         let groups = RangeGroups::of(log, |count| count >= heights.least());
         let few = RangeGroups::of(log, |count| (1..heights.least()).contains(&count));
         let samples = groups.nodes.iter().map(|&node| log.ranges_to(node).len()).sum();
@@ -126,11 +179,12 @@ impl RangeMl {
             }
         }
         let Some(Solution { estimates, ambiguous: of_solution, mut fit, .. }) = solution else {
-            return Ok((map, None));
+            return Ok((map, None, None));
         };
         if fit.is_odd(groups.usual_m()) {
             fit.unit = unit::other_unit(&self.settings, &groups, heights, watch)?;
         }
+        (fit.bias_m, fit.delay_s) = (fit.bias_m + far_off.offset_m, fit.delay_s + far_off.late_s);
         fit.is_beyond_prior = self.settings.is_beyond(&fit);
         if fit.unit.is_none() && fit.seems_higher() && heights.is_given() {
             fit.higher_m = heights::higher(&self.settings, &groups, heights, watch)?;
@@ -162,7 +216,7 @@ impl RangeMl {
             .into_iter()
             .map(|(node, places)| AmbiguousNode::of(&log.names()[node.index()], &places))
             .collect();
-        Ok((map, Some(fit)))
+        Ok((map, Some(fit), Some(groups.usual_m())))
     }
 
     /// Where nodes are sought above and below: at the height of a level path; `None` without ranges.

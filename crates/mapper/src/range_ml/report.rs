@@ -88,6 +88,9 @@ impl AmbiguousNode {
     }
 }
 
+/// Clocks that differ by more are warned of (s).
+const LATE_S: f64 = 0.5;
+
 impl RangeFit {
     /// Whether most ranges fit no place: then places and law say nothing.
     pub(super) fn is_mostly_wild(&self) -> bool {
@@ -288,16 +291,24 @@ impl Finding for RangeFit {
         }
         if self.is_beyond_prior && self.unit.is_none() {
             warn(format!(
-                "ranges that are {:.2} m and {:.1} % too long are far beyond what devices have: check the units of ranges, places and \
-                 antennas (`tags.csv`), and that nodes are those of the ranges",
+                "ranges that are {:.2} m and {:.1} % too long are far beyond what devices have: check that delays of \
+                 antennas are taken off, the units of ranges, places and antennas (`tags.csv`), and that nodes are those of the ranges",
                 self.bias_m,
                 100.0 * self.scale
             ));
         }
-        if let Some(RangeUnit { name: unit, of_metre }) = self.unit {
+        if self.delay_s.abs() > LATE_S {
+            warn(format!(
+                "the ranges are {:.1} s {} by the clock of the path, much more than clocks of logs usually differ: take it off for all that \
+                 reads this log (`--packet-delay {:.2}`)",
+                self.delay_s.abs(),
+                if self.delay_s > 0.0 { "late" } else { "early" },
+                self.delay_s
+            ));
+        }
+        if let Some(RangeUnit { name: unit, .. }) = self.unit {
             let text = format!(
-                "{name}: warning: the ranges fit places clearly better as {unit} than as metres, of which each has {of_metre} of them: \
-                 no place is reliable"
+                "{name}: warning: the ranges fit places clearly better as {unit} than as metres: no place is reliable"
             );
             lines.push(Line { section: Section::Warnings, text });
         } else if self.is_mostly_wild() {

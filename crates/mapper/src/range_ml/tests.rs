@@ -4,6 +4,7 @@ use sextant_channel::{Position, RangeSample, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime, Unwatched};
 
 use super::*;
+use crate::learned::Finding as _;
 
 /// How ranges are wrong.
 #[derive(Clone, Copy, Default)]
@@ -324,4 +325,42 @@ fn heights_that_look_like_a_bias_and_a_scale_are_told() {
     assert!(fit.higher_m.is_some_and(|higher_m| (higher_m - 2.7).abs() < 0.5), "{fit:?}");
     let (_, level) = map(&log(&nodes(), &loops(), Errors { noise_m: 0.05, bias_m: 0.5, ..Errors::default() }));
     assert_eq!(level.unwrap().higher_m, None);
+}
+
+#[test]
+fn an_offset_far_beyond_devices_and_a_clock_seconds_late_are_taken_off() {
+    let errors = Errors { bias_m: 150.0, noise_m: 0.1, ..Errors::default() };
+    let (found, fit) = map(&log(&nodes(), &loops(), errors));
+    let fit = fit.unwrap();
+    assert!((fit.bias_m - 150.0).abs() < 0.3 && fit.is_beyond_prior && fit.unit.is_none(), "{fit:?}");
+    for (estimate, place) in found.estimates.iter().zip(nodes()) {
+        assert!(estimate.as_ref().unwrap().position.distance_m(place) < 0.3, "{estimate:?}");
+    }
+    // Two seconds late on a way that turns: a step along the velocity would be wrong. On a circle, a delay would be a turn of the map.
+    let delay_s = 2.0;
+    let eight = |step: i32| at(6.0 * libm::sin(0.25 * f64::from(step)), 4.0 * libm::sin(0.5 * f64::from(step)));
+    let corners: Vec<Position> = (0..30).map(eight).collect();
+    let right = log(&nodes(), &corners, Errors { noise_m: 0.05, ..Errors::default() });
+    let late = late::Paths::of(&right).late_by(&right, -delay_s);
+    let (found, fit) = map(&late);
+    let fit = fit.unwrap();
+    assert!((fit.delay_s - delay_s).abs() < 0.1, "{fit:?}");
+    for (estimate, place) in found.estimates.iter().zip(nodes()) {
+        assert!(estimate.as_ref().unwrap().position.distance_m(place) < 0.3, "{estimate:?}, {place}");
+    }
+    assert!(fit.lines("m", &found).iter().any(|line| line.text.contains("`--packet-delay 2.0")));
+}
+
+#[test]
+fn ranges_of_a_wrong_path_are_not_kilometres() {
+    // Each range belongs to another place of the way.
+    let right = log(&nodes(), &loops(), Errors { noise_m: 0.1, ..Errors::default() });
+    let places: Vec<Position> = right.ranges().iter().map(|range| range.position).collect();
+    let wrong = right
+        .ranges()
+        .iter()
+        .enumerate()
+        .map(|(at, range)| RangeSample { position: places[(at * 7919) % places.len()] * 0.2, ..*range });
+    let wrong = right.clone().with_ranges(wrong.collect()).unwrap();
+    assert_eq!(map(&wrong).1.unwrap().unit, None);
 }

@@ -3,7 +3,8 @@
 use sextant_kernel::{Interrupted, Watch};
 
 use super::Settings;
-use super::fit::fitted;
+use super::explained::Explained;
+use super::fit::{Fitted, fitted};
 use super::groups::RangeGroups;
 use super::problem::{HeightPrior, Problem};
 use super::report::RangeUnit;
@@ -32,15 +33,21 @@ pub(super) fn other_unit(
     heights: HeightPrior,
     watch: &dyn Watch,
 ) -> Result<Option<RangeUnit>, Interrupted> {
-    // A unit that needs a scale far beyond that of devices is none.
+    // A unit that needs a scale far beyond that of devices is none, and one in which a constant explains the ranges as well, or nodes
+    // are so far from the way that they nearly are.
     const LARGEST_SCALE: f64 = 0.15;
+    const FARTHEST: f64 = 50.0;
+    let is_told = |problem: &Problem<'_>, fitted: &Fitted| {
+        let is_near = problem.groups.usual_m() < FARTHEST * problem.groups.way_m();
+        is_near && fitted.point.scale().abs() < LARGEST_SCALE && Explained::of(problem, &fitted.point).is_any()
+    };
     let mut found = [f64::NEG_INFINITY; UNITS.len()];
     for (log_evidence, unit) in found.iter_mut().zip(UNITS) {
         let groups = groups.times(1.0 / unit.of_metre);
         let prior = settings.prior(ErrorShares::ALL);
         let problem = Problem { groups: &groups, prior, heights, node_bias_m: NODE_BIAS_M, worth: 1.0 };
         if let Some(fitted) = fitted(&problem, by_least_squares(&problem, prior.mean), watch)?
-            && (unit.of_metre.total_cmp(&1.0).is_eq() || fitted.point.scale().abs() < LARGEST_SCALE)
+            && (unit.of_metre.total_cmp(&1.0).is_eq() || is_told(&problem, &fitted))
         {
             *log_evidence = fitted.log_evidence - groups.len() as f64 * libm::log(unit.of_metre);
         }
