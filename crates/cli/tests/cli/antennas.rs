@@ -10,7 +10,7 @@ use sextant_recording::read_log;
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::call;
+use crate::program::{Said, call};
 
 /// The code book with the layout of a measured one.
 fn router() -> PathBuf {
@@ -118,8 +118,7 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     let folder = TempDir::new().unwrap();
     std::fs::copy(router(), folder.path().join("router.csv")).unwrap();
     std::fs::write(folder.path().join("a.toml"), SCENARIO).unwrap();
-    let ran = call(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]);
-    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    call(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]).printed();
 
     let log = read_log(&folder.path().join("run.mcap")).unwrap().logs.first().clone();
     assert_eq!(log.sectors().unwrap().identities(), "0 to 30, 59 to 63");
@@ -146,15 +145,13 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     assert!(heard.is_subset(&chosen), "{heard:?} in the log, {chosen:?} in answers");
 
     // The tables of the recording have the same numbers.
-    let exported = call(folder.path(), &["export", "run.mcap", "--out", "tables"]);
-    assert!(exported.status.success(), "{}", text(&exported.stderr));
+    call(folder.path(), &["export", "run.mcap", "--out", "tables"]).printed();
     let sectors = std::fs::read_to_string(folder.path().join("tables/sectors.csv")).unwrap();
     let of_table: BTreeSet<u8> =
         sectors.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
     assert_eq!(of_table, identities());
     // Mapping the recording uses the same sectors as the run did.
-    let mapped = call(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]);
-    assert!(mapped.status.success(), "{}", text(&mapped.stderr));
+    call(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]).printed();
 
     if let Some(program) = tshark() {
         let ids = dissect(&program, &folder.path().join("run.pcap"), &["wlan.ssw.sector_id"]);
@@ -217,8 +214,7 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         std::fs::write(folder.path().join(name), table).unwrap();
     }
     let convert = |words: &[&str]| call(folder.path(), &[&["antenna", "convert"], words].concat());
-    let converted = convert(&["spherical.csv", "book.csv"]);
-    assert!(converted.status.success(), "{}", text(&converted.stderr));
+    convert(&["spherical.csv", "book.csv"]).printed();
     let book = std::fs::read_to_string(folder.path().join("book.csv")).unwrap();
     assert!(book.contains("\n0,40,0,9\n") && book.matches(",9\n").count() == 1, "{book}");
     for (file, words) in

@@ -91,9 +91,7 @@ fn batteries_are_refused_where_they_cannot_run_empty() {
     ] {
         let mut command = sextant();
         let output = command.arg("check").arg(scenario(name)).args(["--set", "battery.capacity_mah=1.0"]).output();
-        let output = output.expect("it starts");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{name}: {told}");
+        let told = output.expect("it starts").refusal();
         assert!(told.contains("battery") && told.contains(with), "{name}: {told}");
     }
 }

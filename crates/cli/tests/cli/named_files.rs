@@ -144,13 +144,7 @@ fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
     recorder.finish().expect("a test with room on the disk");
     // The file of the working folder is not the one of the run.
     fs::write(folder.path().join("files/pile.obj"), MESH).expect("a test with room on the disk");
-    let output = sextant()
-        .current_dir(folder.path())
-        .args(["map", "old.mcap"])
-        .output()
-        .expect("a test with room on the disk");
-    assert_eq!(output.status.code(), Some(2));
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    let message = call(folder.path(), &["map", "old.mcap"]).refusal();
     assert!(message.contains("pile.obj") && message.contains("attached to the recording"), "{message}");
 }
 
