@@ -4,7 +4,7 @@ use serde_json::Value;
 use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;
 
-use crate::program::{Said, call, check_text, number, run_text};
+use crate::program::{Said, call, check_text, number, run_text, table};
 
 /// 60 nodes in a greenhouse, of which nine know their place.
 const NODES: &str = r#"
@@ -249,18 +249,12 @@ fn a_sweep_has_columns_of_the_nodes_work() {
     let sweep = "\n[sweep]\nruns = 1\nproduct.anchors.share = [0.1, 0.3]\n";
     std::fs::write(folder.path().join("a.toml"), static_anchors() + sweep).unwrap();
     call(folder.path(), &["sweep", "a.toml", "--out", "t.csv", "--quiet"]).printed();
-    let table = std::fs::read_to_string(folder.path().join("t.csv")).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
-    let column = |name: &str| rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
-    let initial = column("distributed.anchors.initial");
-    assert_eq!((rows[1][initial], rows[2][initial]), ("6", "18"));
-    assert_eq!(rows[1][column("map")], "dmmtm-ss", "a map that nodes compute is one like others");
-    let messages = column("distributed.messages.mean_per_node");
-    assert!(
-        rows[1][messages].parse::<f64>().unwrap() > 1.0 && rows[1][messages].contains('.'),
-        "{}",
-        rows[1][messages]
-    );
+    let rows = table(&folder.path().join("t.csv"));
+    let initial = "distributed.anchors.initial";
+    assert_eq!([&*rows[0][initial], &*rows[1][initial]], ["6", "18"]);
+    assert_eq!(rows[0]["map"], "dmmtm-ss", "a map that nodes compute is one like others");
+    let messages = &rows[0]["distributed.messages.mean_per_node"];
+    assert!(messages.parse::<f64>().unwrap() > 1.0 && messages.contains('.'), "{messages}");
 }
 
 #[test]

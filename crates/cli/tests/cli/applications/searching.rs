@@ -5,7 +5,7 @@ use std::fs;
 use sextant_recording::read_world;
 
 use super::{AGENT, NODES, topics};
-use crate::program::{Said, call, number, run_text, sextant};
+use crate::program::{Said, call, number, run_text, sextant, table};
 
 const TARGET: &str = r#"
 [[world.targets]]
@@ -87,12 +87,8 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
     let (_, captured) = measures.iter().find(|(name, _)| name.ends_with("detarsk.captured")).unwrap();
     assert!((number(&captured["interval_95"][0]) - 0.025_f64.sqrt()).abs() < 1e-6, "{captured}");
     assert_eq!((&captured["interval_95"][1], captured.get("half_width_95")), (&1.0.into(), None));
-    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
-    let value = |name: &str| {
-        let column = rows[0].iter().position(|other| *other == format!("applications.{name}"))?;
-        rows[1][column].parse::<f64>().ok()
-    };
+    let rows = table(&folder.path().join("t.csv"));
+    let value = |name: &str| rows[0].get(&format!("applications.{name}"))?.parse::<f64>().ok();
     let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
         let captured_s = number(&summary["applications"][i]["time_s"]);
