@@ -61,22 +61,9 @@ pub enum RecordingError {
         /// The system's answer.
         why: String,
     },
-    /// The file cannot be opened or read.
-    #[error("cannot read `{}`: {why}", .path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's answer.
-        why: String,
-    },
-    /// The file is of another format.
-    #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
-    NotMcap {
-        /// The file.
-        path: PathBuf,
-        /// What it is.
-        seen: String,
-    },
+    /// The file cannot be read, or is of another format.
+    #[error(transparent)]
+    File(#[from] McapFileError),
     /// The file is damaged or incomplete.
     #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies all that can be read", .path.display())]
     Broken {
@@ -145,20 +132,11 @@ impl RecordingError {
     }
 
     pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Read { path: path.to_owned(), why: why.to_string() }
+        McapFileError::Read { path: path.to_owned(), why: why.to_string() }.into()
     }
 
     pub(super) fn message(path: &Path, topic: &str, problem: impl fmt::Display) -> Self {
         Self::Message { path: path.to_owned(), topic: topic.to_owned(), problem: problem.to_string() }
-    }
-}
-
-impl From<McapFileError> for RecordingError {
-    fn from(error: McapFileError) -> Self {
-        match error {
-            McapFileError::Read { path, why } => Self::Read { path, why },
-            McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
-        }
     }
 }
 

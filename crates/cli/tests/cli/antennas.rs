@@ -10,15 +10,11 @@ use sextant_recording::read_log;
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::call;
+use crate::program::{Said, call};
 
 /// The code book with the layout of a measured one.
 fn router() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/antennas/router-60ghz.csv")
-}
-
-fn text(octets: &[u8]) -> String {
-    String::from_utf8_lossy(octets).replace("\n  \u{2502} ", " ")
 }
 
 /// The sectors of the router.
@@ -31,31 +27,26 @@ fn the_gaps_of_a_measured_book_are_named_and_filled_and_its_sectors_shown() {
     let folder = TempDir::new().unwrap();
     std::fs::copy(router(), folder.path().join("router.csv")).unwrap();
     let show = |words: &[&str]| call(folder.path(), &[&["antenna", "show", "router.csv"], words].concat());
-    let refused = show(&["--set", "boresight_gain_dbi=15"]);
-    assert_eq!(refused.status.code(), Some(2));
-    let message = text(&refused.stderr);
+    let message = show(&["--set", "boresight_gain_dbi=15"]).refusal();
     assert!(message.contains("571 gaps in 13320 gains of 37 patterns on a grid of 360 directions"), "{message}");
     assert!(message.contains("azimuth 162 to 171, elevation -10.8 to 5.4: all sectors"), "{message}");
     let filled = ["--set", "boresight_gain_dbi=15", "--set", "gaps=hold", "--set", "outside_gain_dbi=-20"];
-    let shown = show(&filled);
-    assert!(shown.status.success(), "{}", text(&shown.stderr));
-    let table = text(&shown.stdout);
+    let table = show(&filled).printed();
     let rows: BTreeSet<u8> = table.lines().filter_map(|line| line.split_whitespace().next()?.parse().ok()).collect();
     assert_eq!(rows, identities());
     for name in ["antenna-azimuth-cuts", "antenna-elevation-cuts", "antenna-best-sector"] {
         let svg = std::fs::read_to_string(folder.path().join(format!("router.antenna/{name}.svg"))).unwrap();
         assert!(svg.contains("router: ") && table.contains(&format!("{name}.svg")), "{name}");
     }
-    let json = show(&[&filled[..], &["--format", "json"]].concat());
-    let coverage: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    let coverage = show(&[&filled[..], &["--format", "json"]].concat()).json();
     let sectors = coverage["sectors"].as_array().unwrap();
     let won: f64 = sectors.iter().map(|sector| sector["share_won"].as_f64().unwrap()).sum();
     assert!((won + coverage["share_undecided"].as_f64().unwrap() - 1.0).abs() < 1e-9);
     let greatest = sectors.iter().map(|sector| sector["peak_gain_dbi"].as_f64().unwrap()).fold(-99.0, f64::max);
     // Directions are looked at in steps of a degree, so the peak of the grid is hit.
     assert!((greatest - 15.0).abs() < 0.1, "{greatest} dBi");
-    let relative = show(&["--set", "gaps=hold", "--set", "outside_gain_dbi=-20"]);
-    assert!(text(&relative.stderr).contains("`gain_db` has relative units"), "{}", text(&relative.stderr));
+    let relative = show(&["--set", "gaps=hold", "--set", "outside_gain_dbi=-20"]).refusal();
+    assert!(relative.contains("`gain_db` has relative units"), "{relative}");
 }
 
 /// The frames of a capture of sweeps: records of classic pcap, each with a radiotap header.
@@ -118,8 +109,7 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     let folder = TempDir::new().unwrap();
     std::fs::copy(router(), folder.path().join("router.csv")).unwrap();
     std::fs::write(folder.path().join("a.toml"), SCENARIO).unwrap();
-    let ran = call(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]);
-    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    call(folder.path(), &["run", "a.toml", "--out", "run.mcap", "--pcap", "run.pcap", "--quiet"]).printed();
 
     let log = read_log(&folder.path().join("run.mcap")).unwrap().logs.first().clone();
     assert_eq!(log.sectors().unwrap().identities(), "0 to 30, 59 to 63");
@@ -146,15 +136,13 @@ fn identities_of_a_code_book_are_those_on_air_in_the_capture_in_the_log_and_in_i
     assert!(heard.is_subset(&chosen), "{heard:?} in the log, {chosen:?} in answers");
 
     // The tables of the recording have the same numbers.
-    let exported = call(folder.path(), &["export", "run.mcap", "--out", "tables"]);
-    assert!(exported.status.success(), "{}", text(&exported.stderr));
+    call(folder.path(), &["export", "run.mcap", "--out", "tables"]).printed();
     let sectors = std::fs::read_to_string(folder.path().join("tables/sectors.csv")).unwrap();
     let of_table: BTreeSet<u8> =
         sectors.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
     assert_eq!(of_table, identities());
     // Mapping the recording uses the same sectors as the run did.
-    let mapped = call(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]);
-    assert!(mapped.status.success(), "{}", text(&mapped.stderr));
+    call(folder.path(), &["map", "run.mcap", "--quiet", "--summary", "map.json"]).printed();
 
     if let Some(program) = tshark() {
         let ids = dissect(&program, &folder.path().join("run.pcap"), &["wlan.ssw.sector_id"]);
@@ -173,27 +161,22 @@ fn a_measurement_becomes_a_code_book_that_is_never_its_own_input() {
     let wide = (0..36).map(|step| format!("{},{},{}\n", 10 * step, step % 7 - 3, -(step % 5)));
     let table = format!("phi,S4,S60\n{}", wide.collect::<String>());
     std::fs::write(folder.path().join("tool.csv"), &table).unwrap();
-    let unknown = call(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]);
-    assert!(
-        unknown.status.code() == Some(2) && text(&unknown.stderr).contains("--unit dbi"),
-        "{}",
-        text(&unknown.stderr)
-    );
+    let unknown = call(folder.path(), &["antenna", "convert", "tool.csv", "book.csv"]).refusal();
+    assert!(unknown.contains("--unit dbi"), "{unknown}");
     let converted = call(folder.path(), &["antenna", "convert", "tool.csv", "book.csv", "--unit", "db"]);
-    assert!(converted.status.success(), "{}", text(&converted.stderr));
-    let told = text(&converted.stdout);
+    let told = converted.printed();
     assert!(told.contains("book.csv: 2 sectors, 36 directions, 0 gaps in `gain_db`"), "{told}");
     assert!(told.contains("code_book = { file = \"book.csv\", boresight_gain_dbi = GAIN }"), "{told}");
-    assert!(text(&converted.stderr).contains("a planar cut at elevation 0"), "{}", text(&converted.stderr));
-    let shown = call(folder.path(), &["antenna", "show", "book.csv", "--set", "boresight_gain_dbi=12"]);
-    assert!(shown.status.success() && text(&shown.stdout).contains("60  "), "{}", text(&shown.stderr));
+    let (_, _, note) = converted.all();
+    assert!(note.contains("a planar cut at elevation 0"), "{note}");
+    let shown = call(folder.path(), &["antenna", "show", "book.csv", "--set", "boresight_gain_dbi=12"]).printed();
+    assert!(shown.contains("60  "), "{shown}");
     let code = |words: &[&str]| call(folder.path(), &[&["antenna", "convert"], words].concat()).status.code();
     assert_eq!(code(&["tool.csv", "tool.csv", "--unit", "db", "--force"]), Some(2));
     assert_eq!(code(&["tool.csv", "book.csv", "--unit", "db"]), Some(2), "it exists");
     assert_eq!(code(&["tool.csv", "book.csv", "--force", "--unit", "dbi"]), Some(0));
     assert_eq!(std::fs::read_to_string(folder.path().join("tool.csv")).unwrap(), table);
-    let unknown = call(folder.path(), &["antenna", "convert", "tool.csv", "b.csv", "--azimuth", "angle"]);
-    let message = text(&unknown.stderr);
+    let message = call(folder.path(), &["antenna", "convert", "tool.csv", "b.csv", "--azimuth", "angle"]).refusal();
     assert!(message.contains("found the columns `phi`, `S4`, `S60`") && message.contains("--azimuth"), "{message}");
 }
 
@@ -217,16 +200,13 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         std::fs::write(folder.path().join(name), table).unwrap();
     }
     let convert = |words: &[&str]| call(folder.path(), &[&["antenna", "convert"], words].concat());
-    let converted = convert(&["spherical.csv", "book.csv"]);
-    assert!(converted.status.success(), "{}", text(&converted.stderr));
+    convert(&["spherical.csv", "book.csv"]).printed();
     let book = std::fs::read_to_string(folder.path().join("book.csv")).unwrap();
     assert!(book.contains("\n0,40,0,9\n") && book.matches(",9\n").count() == 1, "{book}");
     for (file, words) in
         [("half.csv", ["--zenith", "--elevation 'theta'"]), ("radians.csv", ["--radians", "--degrees"])]
     {
-        let refused = convert(&[file, "no.csv"]);
-        assert_eq!(refused.status.code(), Some(2));
-        let message = text(&refused.stderr);
+        let message = convert(&[file, "no.csv"]).refusal();
         assert!(words.iter().all(|word| message.contains(word)), "{message}");
     }
     assert!(convert(&["half.csv", "zenith.csv", "--zenith"]).status.success());
@@ -240,7 +220,7 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         (&["far.csv", "no.csv"], "--quasi-omni ID", "--zenith"),
         (&["low.csv", "no.csv", "--elevation", "theta_deg"], "--zenith", "--quasi-omni"),
     ] {
-        let message = text(&convert(words).stderr);
+        let message = convert(words).refusal();
         assert!(message.contains(expected) && !message.contains(absent), "{words:?}: {message}");
     }
     assert!(convert(&["half.csv", "level.csv", "--elevation", "theta"]).status.success());
@@ -253,12 +233,10 @@ fn a_beam_at_the_horizon_stays_there_and_a_scenario_refuses_angles_in_radians() 
         book += &format!("0,{:.5},0,{}\n", f64::from(10 * step - 180).to_radians(), step % 7 - 3);
     }
     std::fs::write(folder.path().join("rad.csv"), book).unwrap();
-    let shown = call(folder.path(), &["antenna", "show", "rad.csv", "--set", "outside_gain_dbi=-20"]);
-    let message = text(&shown.stderr);
-    assert!(shown.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
+    let message = call(folder.path(), &["antenna", "show", "rad.csv", "--set", "outside_gain_dbi=-20"]).refusal();
+    assert!(message.contains("once around in radians"), "{message}");
     let scenario = SCENARIO.replace("router.csv", "rad.csv").replace("gaps = \"interpolate\"\n", "");
     std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
-    let checked = call(folder.path(), &["check", "a.toml"]);
-    let message = text(&checked.stderr);
-    assert!(checked.status.code() == Some(2) && message.contains("once around in radians"), "{message}");
+    let message = call(folder.path(), &["check", "a.toml"]).refusal();
+    assert!(message.contains("once around in radians"), "{message}");
 }

@@ -10,7 +10,7 @@ use sextant_logs::{self as robot_log, ReadOptions, RobotLog};
 
 use super::drive::{assert_holds, kept, map, options, path_csv};
 use super::pcap::tshark;
-use super::program::unwrapped;
+use super::program::{Said, unwrapped};
 
 const NAMES: [&str; 3] = ["0x0001", "00:12:4b:00:01:02:03:04", "0x0003"];
 /// Of the first time of the path (ns).
@@ -67,7 +67,7 @@ fn a_folder_of_captures_is_one_log() {
     let folder = folder();
     std::fs::write(folder.path().join("1.pcap"), octets("tap.pcap")).unwrap();
     assert_holds(&robot_log::read(folder.path(), &options()).unwrap(), NAMES, [true; 3]);
-    let (code, _, stderr) = map(folder.path(), &["--profile", "p0=0.9,plateau_m=1,range_m=3"]);
+    let (code, _, stderr) = map(folder.path(), &["--profile", "p0=0.9,plateau_m=1,range_m=3"]).all();
     assert_eq!(code, 0, "{stderr}");
     assert!(unwrapped(&stderr).contains("22 frames are packets"), "{stderr}");
 }
@@ -205,14 +205,12 @@ fn a_capture_with_any_wrong_octet_has_an_answer() {
 #[test]
 fn a_path_is_required_and_flags_must_fit() {
     let capture = kept("captures/tap.pcap");
-    let (code, _, stderr) = map(&capture, &[]);
-    assert_eq!(code, 2, "{stderr}");
-    assert!(unwrapped(&stderr).contains("give its path with `--path FILE`"), "{stderr}");
+    let stderr = map(&capture, &[]).refusal();
+    assert!(stderr.contains("give its path with `--path FILE`"), "{stderr}");
     let folder = folder();
     let path = folder.path().join("path.csv").display().to_string();
-    let (code, _, stderr) = map(&capture, &["--path", &path, "--packet-topic", "/radio"]);
-    assert_eq!(code, 2, "{stderr}");
-    assert!(unwrapped(&stderr).contains("`--packet-topic` is for ROS bags, but"), "{stderr}");
+    let stderr = map(&capture, &["--path", &path, "--packet-topic", "/radio"]).refusal();
+    assert!(stderr.contains("`--packet-topic` is for ROS bags, but"), "{stderr}");
     // A path of another day.
     let problem = read(&octets("tap.pcap"), |options| {
         let path = options.form.path.as_ref().unwrap();

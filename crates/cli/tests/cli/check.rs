@@ -1,10 +1,10 @@
 //! `sextant check`: all mistakes at once, what follows from a scenario, and warnings.
 
-use std::path::Path;
+use std::process::Output;
 
 use serde_json::Value;
 
-use crate::program::{scenario, sextant, summary};
+use crate::program::{Said, call, check_text, folder, run_text, scenario, sextant, unwrapped};
 
 /// A valid scenario without warnings: a robot drives along a line of nodes, with known reception.
 const LINE: &str = r#"name = "line"
@@ -30,23 +30,13 @@ places_m = [[0, 1], [10, 1], [20, 1], [30, 1]]
 "#;
 
 /// Exit code, standard output and standard error of `sextant` in a folder with `a.toml`.
-fn told(text: &str, words: &[&str]) -> (Option<i32>, String, String) {
-    let folder = tempfile::tempdir().expect("there is room");
-    std::fs::write(folder.path().join("a.toml"), text).expect("there is room");
-    told_in(folder.path(), words)
-}
-
-fn told_in(folder: &Path, words: &[&str]) -> (Option<i32>, String, String) {
-    let output = sextant().args(words).current_dir(folder).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-    (output.status.code(), text(output.stdout), text(output.stderr))
+fn told(text: &str, words: &[&str]) -> Output {
+    call(folder(&[("a.toml", text)]).path(), words)
 }
 
 /// The forecast of a scenario.
 fn forecast(text: &str) -> Value {
-    let (code, stdout, stderr) = told(text, &["check", "-v", "a.toml", "--format", "json"]);
-    assert_eq!(code, Some(0), "{stderr}");
-    let mut answer: Value = serde_json::from_str(&stdout).expect("JSON");
+    let mut answer = told(text, &["check", "-v", "a.toml", "--format", "json"]).json();
     answer[0]["forecast"].take()
 }
 
@@ -70,8 +60,8 @@ fn many_mistakes_are_printed_at_once_in_the_order_of_the_file() {
         text = text.replace(from, to);
     }
     text.push_str("[[maps]]\nalgorithm = 3\n");
-    let (code, stdout, stderr) = told(&text, &["check", "a.toml"]);
-    assert_eq!((code, stdout.as_str()), (Some(2), ""));
+    let (code, stdout, stderr) = told(&text, &["check", "a.toml"]).all();
+    assert_eq!((code, stdout.as_str()), (2, ""));
     insta::assert_snapshot!(stderr);
 }
 
@@ -99,11 +89,7 @@ fn the_ranges_are_those_of_the_closed_form() {
 
 #[test]
 fn the_way_of_a_planned_path_is_that_of_the_run() {
-    let folder = tempfile::tempdir().expect("there is room");
-    std::fs::write(folder.path().join("a.toml"), LINE).expect("there is room");
-    let (code, _, stderr) = told_in(folder.path(), &["run", "a.toml", "--quiet", "--summary", "a.json"]);
-    assert_eq!(code, Some(0), "{stderr}");
-    let run = summary(&folder.path().join("a.json"));
+    let (_folder, run) = run_text(LINE, &[]);
     let forecast = forecast(LINE);
     let way = &forecast["robots"][0];
     assert_eq!(way["estimate"], false);
@@ -132,11 +118,7 @@ fn packets_are_received_as_often_as_forecast_at_each_distance() {
             .replace("start_m = [0, 1]", &format!("start_m = [{distance_m}, 0]"))
             .replace("[[0, 1], [10, 1], [20, 1], [30, 1]]", &format!("[[{distance_m}, 0]]"));
         let forecast = forecast(&text)["robots"][0]["packets_expected"].as_f64().expect("a number") / packets;
-        let folder = tempfile::tempdir().expect("there is room");
-        std::fs::write(folder.path().join("a.toml"), text).expect("there is room");
-        let (code, _, stderr) = told_in(folder.path(), &["run", "a.toml", "--quiet", "--summary", "a.json"]);
-        assert_eq!(code, Some(0), "{stderr}");
-        let gathering = summary(&folder.path().join("a.json"))["gathering"].take();
+        let gathering = run_text(&text, &[]).1["gathering"].take();
         let count = |key: &str| gathering[key].as_f64().expect("a number");
         let measured = count("packets_received") / count("packets_sent");
         // Four standard deviations: a false alarm in 16000 cases.
@@ -147,16 +129,16 @@ fn packets_are_received_as_often_as_forecast_at_each_distance() {
 
 #[test]
 fn a_forecast_is_printed_as_a_table() {
-    let (code, stdout, stderr) = told(LINE, &["check", "-v", "a.toml"]);
-    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let (code, stdout, stderr) = told(LINE, &["check", "-v", "a.toml"]).all();
+    assert_eq!((code, stderr.as_str()), (0, ""));
     insta::assert_snapshot!(stdout);
 }
 
 /// The warnings of the scenario with `from` replaced by `to`.
 fn warnings(from: &str, to: &str) -> String {
     assert_eq!(LINE.matches(from).count(), 1, "{from}");
-    let (code, stdout, stderr) = told(&LINE.replace(from, to), &["check", "a.toml"]);
-    assert_eq!(code, Some(0), "{stderr}");
+    let (code, stdout, stderr) = told(&LINE.replace(from, to), &["check", "a.toml"]).all();
+    assert_eq!(code, 0, "{stderr}");
     assert!(stdout.starts_with("ok line"), "{stdout}");
     stderr
 }
@@ -192,27 +174,26 @@ fn a_way_that_is_not_looked_at_to_its_end_says_so_and_names_no_node_out_of_reach
     let nodes = LINE.replace("[[0, 0], [10, 0], [20, 0], [30, 0]]", &format!("[{far}"));
     let stops = (0..25_000).map(|i| format!("[{}, 1], ", 0.001 * f64::from(i))).collect::<String>();
     let text = nodes.replace("[[0, 1], [10, 1], [20, 1], [30, 1]]", &format!("[{stops}[30000, 1]]"));
-    let (code, stdout, stderr) = told(&text, &["check", "-v", "a.toml"]);
-    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let (code, stdout, stderr) = told(&text, &["check", "-v", "a.toml"]).all();
+    assert_eq!((code, stderr.as_str()), (0, ""));
     assert!(stdout.contains("(only the first part of a long way)"), "{stdout}");
 }
 
 #[test]
 fn a_run_warns_before_it_starts_unless_it_is_quiet() {
     let text = LINE.replace("interval_s = 0.5", "interval_s = 5.0");
-    let (code, _, stderr) = told(&text, &["run", "a.toml"]);
-    assert_eq!(code, Some(0), "{stderr}");
+    let (code, _, stderr) = told(&text, &["run", "a.toml"]).all();
+    assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("warning: `robots[0].listen_s`"), "{stderr}");
-    let (_, _, stderr) = told(&text, &["run", "a.toml", "--quiet"]);
+    let (_, _, stderr) = told(&text, &["run", "a.toml", "--quiet"]).all();
     assert_eq!(stderr, "");
 }
 
 #[test]
 fn a_shipped_scenario_with_sectors_has_a_forecast() {
     let path = scenario("mmtm/warehouse-vaa.toml");
-    let output = sextant().args(["check", "-v"]).arg(path).output().expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && text.contains("radio range") && text.contains("packets a stop"), "{text}");
+    let text = sextant().args(["check", "-v"]).arg(path).output().expect("the program starts").printed();
+    assert!(text.contains("radio range") && text.contains("packets a stop"), "{text}");
 }
 
 #[test]
@@ -220,10 +201,9 @@ fn a_ground_above_the_stations_is_told() {
     let ground = |z_m: f64| {
         let reflections = format!("[channel.reflections]\nground_z_m = {z_m:?}\nground_material = \"concrete\"\n");
         let text = LINE.replace("[channel.shadowing]", &format!("{reflections}[channel.shadowing]"));
-        let (code, stdout, stderr) = told(&text, &["check", "a.toml"]);
-        assert_eq!(code, Some(0), "{stderr}");
-        let said = format!("{stdout}{stderr}");
-        said.split_whitespace().collect::<Vec<_>>().join(" ")
+        let (code, stdout, stderr) = told(&text, &["check", "a.toml"]).all();
+        assert_eq!(code, 0, "{stderr}");
+        unwrapped(&(stdout + &stderr))
     };
     for z_m in [3.0, 0.0] {
         let said = ground(z_m);
@@ -247,10 +227,7 @@ fn a_window_in_which_no_answer_ends_is_refused() {
              [antenna.robots.sectors]\nazimuth_sectors = 16\n",
         )
         .replace("listen_s = 2.0", "listen_s = 2.0\nsweeps_per_stop = 2");
-    let (code, _, stderr) = told(&text, &["check", "a.toml"]);
-    let message = stderr.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
-    assert_eq!(code, Some(2), "{message}");
+    let message = check_text(&text, &[]);
     assert!(message.contains("window_ms") && message.contains("at least 0.145 for the 8 frames"), "{message}");
-    let (code, _, stderr) = told(&text.replace("window_ms = 0.1", "window_ms = 1"), &["check", "a.toml"]);
-    assert_eq!(code, Some(0), "{stderr}");
+    told(&text.replace("window_ms = 0.1", "window_ms = 1"), &["check", "a.toml"]).printed();
 }

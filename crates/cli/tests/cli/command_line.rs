@@ -94,10 +94,7 @@ fn a_manual_page_of_an_unknown_command_is_refused_with_those_that_there_are() {
         (&["man", "rum"][..], "`sextant` has no command `rum`; it has `init`, `run`,"),
         (&["man", "run", "fast"], "`run` has no commands of its own, but `fast` was found after it"),
     ] {
-        let output = cargo_bin_cmd!("sextant").args(words).output().unwrap();
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{message}");
-        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        let message = cargo_bin_cmd!("sextant").args(words).output().unwrap().refusal();
         assert!(message.contains(expected), "{words:?}: {message}");
     }
 }

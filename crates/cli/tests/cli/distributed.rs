@@ -4,7 +4,7 @@ use serde_json::Value;
 use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;
 
-use crate::program::{Said, check_text, number, run_text, sextant};
+use crate::program::{Said, call, check_text, number, run_text, table};
 
 /// 60 nodes in a greenhouse, of which nine know their place.
 const NODES: &str = r#"
@@ -99,7 +99,7 @@ fn nodes_with_static_anchors_place_themselves() {
     let new = usize::try_from(work["anchors"]["new"].as_u64().unwrap()).unwrap();
     assert_eq!((of(NodeRole::InitialAnchor), of(NodeRole::NewAnchor)), (9, new));
 
-    sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap().printed();
+    call(folder.path(), &["figure", "run.mcap", "--out", "f"]).printed();
     let figure = |name: &str| std::fs::read_to_string(folder.path().join("f").join(name)).unwrap();
     assert!(figure("map-dmmtm-ss.svg").contains("anchor from the beginning"));
     assert!(figure("neighbour-scattering.svg").contains("error of neighbour scattering"));
@@ -248,21 +248,13 @@ fn a_sweep_has_columns_of_the_nodes_work() {
     let folder = TempDir::new().unwrap();
     let sweep = "\n[sweep]\nruns = 1\nproduct.anchors.share = [0.1, 0.3]\n";
     std::fs::write(folder.path().join("a.toml"), static_anchors() + sweep).unwrap();
-    let output = sextant().current_dir(folder.path()).args(["sweep", "a.toml", "--out", "t.csv", "--quiet"]).output();
-    let output = output.unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let table = std::fs::read_to_string(folder.path().join("t.csv")).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
-    let column = |name: &str| rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
-    let initial = column("distributed.anchors.initial");
-    assert_eq!((rows[1][initial], rows[2][initial]), ("6", "18"));
-    assert_eq!(rows[1][column("map")], "dmmtm-ss", "a map that nodes compute is one like others");
-    let messages = column("distributed.messages.mean_per_node");
-    assert!(
-        rows[1][messages].parse::<f64>().unwrap() > 1.0 && rows[1][messages].contains('.'),
-        "{}",
-        rows[1][messages]
-    );
+    call(folder.path(), &["sweep", "a.toml", "--out", "t.csv", "--quiet"]).printed();
+    let rows = table(&folder.path().join("t.csv"));
+    let initial = "distributed.anchors.initial";
+    assert_eq!([&*rows[0][initial], &*rows[1][initial]], ["6", "18"]);
+    assert_eq!(rows[0]["map"], "dmmtm-ss", "a map that nodes compute is one like others");
+    let messages = &rows[0]["distributed.messages.mean_per_node"];
+    assert!(messages.parse::<f64>().unwrap() > 1.0 && messages.contains('.'), "{messages}");
 }
 
 #[test]
@@ -321,11 +313,4 @@ fn invalid_tables_are_refused_at_their_key() {
         let said = said.join(" ");
         assert!(said.contains(key) && said.contains(allowed), "{key}: {said}");
     }
-}
-
-#[test]
-fn the_schema_has_the_table() {
-    let output = sextant().arg("schema").output().unwrap();
-    let schema: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(schema["properties"]["distributed_mapping"].is_object());
 }

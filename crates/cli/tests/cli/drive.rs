@@ -6,11 +6,12 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 use std::path::{Path, PathBuf};
+use std::process::Output;
 use std::time::Duration;
 
 use sextant_logs::{ReadOptions, RobotLog, StopRule};
 
-use super::program::{Said, sextant};
+use super::program::sextant;
 
 /// The seconds in which each node is heard, two times each.
 const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];
@@ -66,6 +67,6 @@ pub(crate) fn path_csv(start_ns: u32) -> String {
 }
 
 /// Runs `sextant map LOG WORDS`; returns exit code, standard output and standard error.
-pub(crate) fn map(log: &Path, words: &[&str]) -> (i32, String, String) {
-    sextant().arg("map").arg(log).args(words).output().unwrap().all()
+pub(crate) fn map(log: &Path, words: &[&str]) -> Output {
+    sextant().arg("map").arg(log).args(words).output().unwrap()
 }

@@ -1,19 +1,16 @@
 //! `sextant explain` and `sextant explain-link`: what a key means, and what a link consists of.
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
 
-use crate::program::scenario;
+use crate::program::{Said, scenario, sextant};
 
 /// What a command prints, and what it tells on standard error if it fails with exit code 2.
 fn told(words: &[&str]) -> Result<String, String> {
-    let output = cargo_bin_cmd!("sextant").env("NO_COLOR", "1").args(words).output().expect("it starts");
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-    match output.status.code() {
-        Some(0) => Ok(text(&output.stdout)),
-        code => {
-            assert_eq!(code, Some(2), "{words:?}");
-            Err(text(&output.stderr))
+    match sextant().args(words).output().expect("it starts").all() {
+        (0, printed, _) => Ok(printed),
+        (code, _, message) => {
+            assert_eq!(code, 2, "{words:?}");
+            Err(message)
         }
     }
 }

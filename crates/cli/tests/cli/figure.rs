@@ -165,7 +165,7 @@ fn titles_give_the_number_of_mapped_nodes_and_the_error() {
 }
 
 #[test]
-fn the_same_recording_gives_the_same_bytes() {
+fn the_same_recording_gives_the_same_bytes_and_a_png_has_twice_the_pixels_of_its_svg_in_each_direction() {
     let (folder, path) = recording(World::Spatial, Maps::Two);
     for format in ["svg", "png"] {
         let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
@@ -178,21 +178,14 @@ fn the_same_recording_gives_the_same_bytes() {
             assert!(a == b && !a.is_empty(), "{file}");
         }
     }
-}
-
-#[test]
-fn a_png_has_twice_the_pixels_of_its_svg_in_each_direction() {
-    let (folder, path) = recording(World::Flat, Maps::Two);
-    for format in ["svg", "png"] {
-        sextant(&[&path, "--out".as_ref(), folder.path(), "--format".as_ref(), format.as_ref()]).success();
-    }
-    let png = fs::read(folder.path().join("network.png")).expect("a figure");
+    let first = folder.path().join("first");
+    let png = fs::read(first.join("network.png")).expect("a figure");
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
     assert_eq!(png[12..16], *b"IHDR");
     assert_eq!(png[png.len() - 8..png.len() - 4], *b"IEND");
     let number = |at: usize| u32::from_be_bytes([png[at], png[at + 1], png[at + 2], png[at + 3]]);
     let size = format!("width=\"{}\" height=\"{}\"", number(16) / 2, number(20) / 2);
-    let svg = text(&folder.path().join("network.svg"));
+    let svg = text(&first.join("network.svg"));
     assert!(svg.starts_with(&format!("<svg {size} ")), "{size} {}", &svg[..100]);
 }
 

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use super::program::sextant;
+use super::program::{Said, call, sextant, unwrapped};
 
 /// A room of 6 by 4 m with walls of 0.2 m and a door of 0.9 m, 5 cm a pixel, as a grey map in text.
 fn room() -> String {
@@ -22,11 +22,6 @@ fn floorplan(folder: &Path, words: &[&str]) -> Output {
     sextant().arg("floorplan").args(words).current_dir(folder).output().unwrap()
 }
 
-fn error(output: &Output) -> String {
-    assert!(!output.status.success());
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 #[test]
 fn a_robot_drives_through_the_door_of_a_traced_room() {
     let folder = tempfile::tempdir().unwrap();
@@ -34,12 +29,8 @@ fn a_robot_drives_through_the_door_of_a_traced_room() {
     fs::write(path.join("room.pgm"), room()).unwrap();
     fs::write(path.join("map.yaml"), "image: room.pgm\nresolution: 0.05\norigin: [-1.0, 2.0, 0.0]\nnegate: 0\n")
         .unwrap();
-    let traced = floorplan(path, &["map.yaml", "--material", "concrete"]);
-    let (text, notes) = (String::from_utf8_lossy(&traced.stdout), String::from_utf8_lossy(&traced.stderr));
-    assert!(
-        traced.status.success() && text.contains("1 wall of 18.") && text.contains("m in all, 0 blocks"),
-        "{text}{notes}"
-    );
+    let (code, text, notes) = floorplan(path, &["map.yaml", "--material", "concrete"]).all();
+    assert!(code == 0 && text.contains("1 wall of 18.") && text.contains("m in all, 0 blocks"), "{text}{notes}");
     assert!(notes.contains("note: the plan is 7.0 by 5.0 m") && notes.contains("% of the dark area"), "{notes}");
     let scenario = "extends = \"walls.toml\"\nname = \"room\"\n\
         [world.nodes.explicit]\nnames = [\"in\"]\npositions_m = [[1.0, 5.0]]\n\
@@ -49,15 +40,10 @@ fn a_robot_drives_through_the_door_of_a_traced_room() {
         [[robots]]\nname = \"r\"\nstart_m = [2.45, 1.5]\nspeed_m_per_s = 1\nlisten_s = 1.5\nradius_m = 0.2\n\
         [robots.controller.waypoints]\nplaces_m = [[1.0, 4.0]]\n";
     fs::write(path.join("room.toml"), scenario).unwrap();
-    let run = |words: &[&str]| {
-        let output = sextant().args(words).current_dir(path).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8_lossy(&output.stdout).into_owned()
-    };
+    let run = |words: &[&str]| call(path, words).printed();
     let checked = run(&["check", "room.toml"]);
     assert!(checked.contains("1 node, 0 obstacles, 1 wall"), "{checked}");
-    let ran = run(&["run", "room.toml", "--quiet", "--format", "json"]);
-    let summary: serde_json::Value = serde_json::from_str(&ran).unwrap();
+    let summary = call(path, &["run", "room.toml", "--quiet", "--format", "json"]).json();
     // Through the door, and not round the walls.
     let length_m = summary["gathering"]["path_length_m"].as_f64().unwrap();
     assert!(length_m > 2.8 && length_m < 3.6, "{length_m}");
@@ -74,9 +60,8 @@ fn plans_that_cannot_be_read_say_why() {
     fs::write(path.join("room.bmp"), "BM").unwrap();
     let line = "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\nwalls\n10\n0\n20\n0\n11\n4000\n21\n0\n0\nENDSEC\n0\nEOF\n";
     fs::write(path.join("hall.dxf"), line).unwrap();
-    let drawn = floorplan(path, &["hall.dxf", "--unit", "mm", "--layers", "walls", "--out", "-"]);
-    let text = String::from_utf8_lossy(&drawn.stdout);
-    assert!(drawn.status.success() && text.contains("[[world.walls]]") && text.contains("4.0"), "{text}");
+    let text = floorplan(path, &["hall.dxf", "--unit", "mm", "--layers", "walls", "--out", "-"]).printed();
+    assert!(text.contains("[[world.walls]]") && text.contains("4.0"), "{text}");
     for (words, problem) in [
         (&["room.pgm"][..], "--scale 0.02 is 2 cm a pixel"),
         (&["room.pgm", "--scale", "0"], "option `scale` is 0; allowed: a number of metres above 0"),
@@ -91,24 +76,23 @@ fn plans_that_cannot_be_read_say_why() {
             "option `layers` is roof; allowed: layers with lines: walls",
         ),
     ] {
-        let found = error(&floorplan(path, words));
-        let found = found.split_whitespace().collect::<Vec<_>>().join(" ").replace("│ ", "");
-        assert!(found.contains(problem), "{words:?}: {found}");
+        let (code, _, found) = floorplan(path, words).all();
+        assert!(code != 0 && unwrapped(&found).contains(problem), "{words:?}: {found}");
     }
     // A reference system whose unit is not known, until the unit is given.
     let feet =
         r#"{"type": "LineString", "crs": {"properties": {"name": "EPSG:2263"}}, "coordinates": [[0, 0], [100, 0]]}"#;
     fs::write(path.join("feet.geojson"), feet).unwrap();
-    let found = error(&floorplan(path, &["feet.geojson"]));
+    let found = floorplan(path, &["feet.geojson"]).refusal();
     assert!(found.contains("EPSG:2263") && found.contains("option `unit`"), "{found}");
-    let read = floorplan(path, &["feet.geojson", "--unit", "us-ft", "--out", "-"]);
-    assert!(read.status.success() && String::from_utf8_lossy(&read.stdout).contains("30.48"), "{read:?}");
+    let read = floorplan(path, &["feet.geojson", "--unit", "us-ft", "--out", "-"]).printed();
+    assert!(read.contains("30.48"), "{read}");
     // A drawing has no dark walls.
     fs::write(path.join("empty.dxf"), "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n").unwrap();
-    let found = error(&floorplan(path, &["empty.dxf", "--unit", "m"]));
+    let found = floorplan(path, &["empty.dxf", "--unit", "m"]).refusal();
     assert!(found.contains("has no walls") && !found.contains("--thickest"), "{found}");
     // What people changed is not replaced.
     fs::write(path.join("walls.toml"), "# mine\n").unwrap();
-    assert!(error(&floorplan(path, &["room.pgm", "--scale", "0.05"])).contains("walls.toml"));
+    assert!(floorplan(path, &["room.pgm", "--scale", "0.05"]).refusal().contains("walls.toml"));
     assert_eq!(fs::read_to_string(path.join("walls.toml")).unwrap(), "# mine\n");
 }

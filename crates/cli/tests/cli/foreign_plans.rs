@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, call, scenario, sextant};
 
 /// Two cells with surveys of their own, and one run of each.
 const SWEEP: &str = "[sweep]\nruns = 1\n[sweep.product]\nrobots.0.listen_s = [1.1, 1.2]\n";
@@ -55,7 +55,7 @@ impl Plan {
             .arg(plan.file("s.toml"))
             .arg(format!("--plan={}", plan.path().display()))
             .arg("--no-trial");
-        succeeded(&command.output().expect("it starts"));
+        command.output().expect("it starts").printed();
         plan
     }
 
@@ -92,11 +92,6 @@ impl Plan {
 /// A change of the JSON in a file.
 type Change = fn(&mut Value);
 
-fn succeeded(output: &Output) -> String {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
 /// The message of a call that is refused as bad input, without spaces: long messages are wrapped, also within names.
 fn refused(output: &Output) -> String {
     let message = squeezed(&String::from_utf8_lossy(&output.stderr));
@@ -122,7 +117,7 @@ fn an_honest_plan_is_submitted_resumed_cancelled_and_collected() {
     let plan = Plan::called("it's my $(plan) 50%");
     let words =
         ["--submit", "slurm", "--chunk", "1", "--time=1-00:00", "--partition=long,short", "--option=--qos=low"];
-    succeeded(&plan.call(&words));
+    plan.call(&words).printed();
     let (calls, script) = plan.called_slurm();
     assert!(calls.contains("sbatch\n--parsable\n--array=0-1\n--\n/"), "{calls}");
     for line in ["#SBATCH --job-name=sextant-it_s_my___plan__50_", "#SBATCH --time=1-00:00", "#SBATCH --qos=low"] {
@@ -134,25 +129,23 @@ fn an_honest_plan_is_submitted_resumed_cancelled_and_collected() {
     let run = |task: &str| {
         let mut command = Command::new("sh");
         command.env("SLURM_ARRAY_TASK_ID", task).env("SLURM_CPUS_PER_TASK", "1");
-        succeeded(&command.arg(plan.path().join("slurm/000001/job.sh")).output().expect("it starts"));
+        command.arg(plan.path().join("slurm/000001/job.sh")).output().expect("it starts").printed();
     };
     run("0");
-    succeeded(&plan.call(&["--resume"]));
+    plan.call(&["--resume"]).printed();
     let resumed = fs::read_to_string(plan.path().join("slurm/000002/job.sh")).expect("a second script");
     assert!(
         resumed.contains("#SBATCH --qos=low\n") && resumed.contains("#SBATCH --partition=long,short\n"),
         "{resumed}"
     );
-    assert_eq!(succeeded(&plan.call(&["--cancel"])), "cancelled: 4711, 4711\n");
+    assert_eq!(plan.call(&["--cancel"]).printed(), "cancelled: 4711, 4711\n");
     assert!(plan.called_slurm().0.ends_with("scancel\n--\n4711\n4711\n"));
     run("1");
     let table = plan.file("table.csv");
-    succeeded(&plan.call(&["--collect", "--out", table.to_str().expect("UTF-8")]));
+    plan.call(&["--collect", "--out", table.to_str().expect("UTF-8")]).printed();
     let mut local = sextant();
     let local_table = plan.file("local.csv");
-    succeeded(
-        &local.arg("sweep").arg(plan.file("s.toml")).arg("--out").arg(&local_table).output().expect("it starts"),
-    );
+    local.arg("sweep").arg(plan.file("s.toml")).arg("--out").arg(&local_table).output().expect("it starts").printed();
     assert_eq!(fs::read(table).expect("a table"), fs::read(local_table).expect("a table"));
 }
 
@@ -223,7 +216,7 @@ fn a_changed_list_of_work_is_refused() {
         assert!(has(&refused(&plan.call(&["--collect"])), "was changed since the plan was made"));
     }
     fs::write(&list, text).expect("there is room");
-    succeeded(&plan.call(&["--status"]));
+    plan.call(&["--status"]).printed();
     plan.change("plan.json", |plan| plan["runs"] = json!(2));
     assert!(has(&refused(&plan.call(&["--status"])), "was changed since the plan was made"));
 }
@@ -328,7 +321,7 @@ fn nothing_in_a_submission_reaches_slurm_unless_it_has_its_form() {
         ("a key more", |all| all["settings"]["x"] = json!(1), "`settings.x` is an unknown key"),
     ];
     let plan = Plan::new();
-    succeeded(&plan.call(&["--submit", "slurm"]));
+    plan.call(&["--submit", "slurm"]).printed();
     let record = plan.path().join("slurm/000001/submission.json");
     let honest = fs::read(&record).expect("a record");
     let before = plan.called_slurm();
@@ -375,13 +368,13 @@ fn options_that_run_something_are_taken_from_the_user_alone() {
         "--mail-user=me",
     ] {
         let plan = Plan::new();
-        succeeded(&plan.call(&["--submit", "slurm"]));
+        plan.call(&["--submit", "slurm"]).printed();
         plan.change("slurm/000001/submission.json", |all| all["settings"]["options"] = json!(["--qos=low", option]));
         let message = refused(&plan.call(&["--resume"]));
         assert!(has(&message, &format!("has `{option}`; allowed in a plan")) && has(&message, "--qos"), "{message}");
         assert!(has(&message, "give all options again"), "{message}");
         assert!(!plan.path().join("slurm/000002").exists());
-        succeeded(&plan.call(&["--resume", &format!("--option={option}")]));
+        plan.call(&["--resume", &format!("--option={option}")]).printed();
         assert!(plan.called_slurm().1.ends_with("--quiet\n"));
     }
 }
@@ -416,8 +409,7 @@ fn no_word_of_the_command_line_ends_a_line_of_a_script() {
 #[test]
 fn commands_that_are_printed_can_be_copied() {
     let folder = TempDir::new().expect("there is room");
-    let printed =
-        |words: &[&str]| succeeded(&sextant().current_dir(folder.path()).args(words).output().expect("it starts"));
+    let printed = |words: &[&str]| call(folder.path(), words).printed();
     let scenario = printed(&["init", "--out=-a $(id).toml"]);
     assert!(scenario.contains("sextant run './-a $(id).toml' --out './-a $(id).mcap'"), "{scenario}");
     let log = printed(&["init", "log", "--out", "it's"]);

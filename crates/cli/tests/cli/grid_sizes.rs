@@ -1,6 +1,6 @@
 //! Grids that do not fit the memory: `sextant check` and `sextant run` refuse the same scenarios, with the same words.
 
-use crate::program::sextant;
+use crate::program::call;
 
 /// Nodes in a row, a robot without a controller, and a map in the plane of the robot.
 const ROW: &str = r#"name = "row"
@@ -38,7 +38,7 @@ fn answers(text: &str) -> [(Option<i32>, String); 2] {
     let folder = tempfile::tempdir().expect("there is room");
     std::fs::write(folder.path().join("a.toml"), text).expect("there is room");
     ["check", "run"].map(|command| {
-        let output = sextant().args([command, "a.toml"]).current_dir(folder.path()).output().expect("it starts");
+        let output = call(folder.path(), &[command, "a.toml"]);
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     })
 }

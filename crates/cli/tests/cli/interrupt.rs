@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use sextant_recording as recording;
 use tempfile::TempDir;
 
-use crate::program::{scenario, sextant, signal, summary};
+use crate::program::{Said, scenario, sextant, signal, summary};
 use crate::recording::sample;
 
 /// A program that takes longer hangs.
@@ -73,8 +73,7 @@ fn a_signal_during_the_survey_leaves_a_complete_recording() {
         let output = ended(child);
         assert_eq!(output.status.code(), Some(130), "{name}: {}", String::from_utf8_lossy(&output.stderr));
         assert!(!out.with_extension("mcap.part").exists(), "{name}");
-        let inspected = sextant().arg("inspect").arg(&out).output().expect("it starts");
-        assert!(inspected.status.success(), "{name}: {}", String::from_utf8_lossy(&inspected.stderr));
+        sextant().arg("inspect").arg(&out).output().expect("it starts").printed();
     }
 }
 

@@ -13,7 +13,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Message, connect};
 
-use crate::program::{scenario, sextant, signal};
+use crate::program::{Said, scenario, sextant, signal};
 
 type Socket = tungstenite::WebSocket<tungstenite::stream::MaybeTlsStream<std::net::TcpStream>>;
 /// Times and octets of the messages of each topic.
@@ -194,8 +194,7 @@ fn a_viewer_pauses_steps_and_sees_what_is_recorded() {
 
     let mut plain_run = sextant();
     let run = plain_run.arg("run").arg(scenario("smoke.toml")).args(FEW).arg("--out").arg(&plain).output();
-    let run = run.expect("it starts");
-    assert!(run.status.success());
+    run.expect("it starts").printed();
     assert_eq!(
         std::fs::read(&live).expect("a file"),
         std::fs::read(&plain).expect("a file"),

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::process::Output;
 
 use serde_json::Value;
 
@@ -40,15 +41,13 @@ fn survey() -> tempfile::TempDir {
 }
 
 /// Runs `sextant map log WORDS` in `folder`; returns exit code, standard output and standard error.
-fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    call(folder, &[&["map", "log"], words].concat()).all()
+fn map(folder: &Path, words: &[&str]) -> Output {
+    call(folder, &[&["map", "log"], words].concat())
 }
 
 fn json(folder: &Path, words: &[&str]) -> Value {
     let words = [&["--profile", PROFILE, "--format", "json"], words].concat();
-    let (code, stdout, stderr) = map(folder, &words);
-    assert_eq!(code, 0, "{stderr}");
-    let mut summary: Value = serde_json::from_str(&stdout).expect("the output is JSON");
+    let mut summary = map(folder, &words).json();
     summary.as_object_mut().expect("it is one object").remove("timing").expect("it has timing");
     summary
 }
@@ -74,21 +73,17 @@ fn a_map_of_a_log_is_close_to_the_truth() {
 #[test]
 fn a_log_is_mapped_by_the_estimator_that_it_chooses() {
     let folder = survey();
-    let (code, stdout, stderr) = map(folder.path(), &["--truth", "nodes.csv", "--format", "json"]);
-    assert_eq!(code, 0, "{stderr}");
-    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let summary = map(folder.path(), &["--truth", "nodes.csv", "--format", "json"]).json();
     let mapped = &summary["maps"][0];
     assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"auto".into()));
     assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.8, "{mapped:#}");
     let scores = mapped["scores"].as_array().unwrap();
     assert!(scores.iter().any(|score| score["estimator"] == mapped["chosen"]), "{mapped:#}");
     assert!(scores.iter().all(|score| score["log_probability"].as_f64().unwrap() < 0.0), "{mapped:#}");
-    let (_, text, _) = map(folder.path(), &["--truth", "nodes.csv"]);
+    let text = map(folder.path(), &["--truth", "nodes.csv"]).printed();
     assert!(text.contains("auto: the log chose "), "{text}");
     for algorithm in ["link-model", "packet-centroid"] {
-        let (code, stdout, stderr) = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]);
-        assert_eq!(code, 0, "{stderr}");
-        let summary: Value = serde_json::from_str(&stdout).unwrap();
+        let summary = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]).json();
         let mapped = &summary["maps"][0];
         assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &algorithm.into()));
         assert_eq!(mapped["link_law"].is_object(), algorithm == "link-model", "{mapped:#}");
@@ -112,7 +107,7 @@ fn packets_of_two_robots_are_counted_and_the_table_says_how() {
     let of_two = json(folder.path(), &[]);
     assert!(of_two["gathering"]["packets_received"].is_null());
     assert_eq!(of_two["gathering"]["packets_received_by_robots"], *packets);
-    let (_, text, _) = map(folder.path(), &["--profile", PROFILE]);
+    let text = map(folder.path(), &["--profile", PROFILE]).printed();
     let line = text.lines().find(|line| line.starts_with("packets received")).expect("a line");
     assert!(line.contains(&packets.to_string()) && line.contains("counts twice"), "{line}");
 }
@@ -132,34 +127,30 @@ fn baselines_map_a_log_with_strengths_by_name_and_refuse_one_without() {
     let names = [("strongest-stop", 1.2), ("rssi-centroid", 1.5), ("least-squares", 0.01), ("gaussian-process", 1.2)];
     for (algorithm, _) in names {
         let words = ["--algorithm", algorithm];
-        let (code, _, stderr) = map(folder.path(), &words);
+        let (code, _, stderr) = map(folder.path(), &words).all();
         assert!(code == 2 && stderr.contains(algorithm) && stderr.contains("`rssi_dbm`"), "{code}: {stderr}");
     }
     std::fs::write(path, receptions).unwrap();
     for (algorithm, most_m) in names {
         let words = ["--algorithm", algorithm, "--truth", "nodes.csv", "--format", "json"];
-        let (code, stdout, stderr) = map(folder.path(), &words);
-        assert_eq!(code, 0, "{stderr}");
-        let summary: Value = serde_json::from_str(&stdout).unwrap();
+        let summary = map(folder.path(), &words).json();
         let mapped = &summary["maps"][0];
         assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &algorithm.into()));
         assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < most_m, "{mapped:#}");
         assert_eq!(mapped["knowledge"], serde_json::json!(["robot-rssi"]));
     }
     let set = ["--set", "maps.0.algorithm.rssi_centroid.g=0.5"];
-    let (_, text, stderr) = map(folder.path(), &set);
+    let (_, text, stderr) = map(folder.path(), &set).all();
     assert!(text.contains("rssi-centroid"), "{text}{stderr}");
-    let (code, _, stderr) = map(folder.path(), &["--set", "maps.0.algorithm.rssi_centroid.g=0"]);
-    assert!(code == 2 && stderr.contains("a number above 0, at most 100"), "{stderr}");
+    let stderr = map(folder.path(), &["--set", "maps.0.algorithm.rssi_centroid.g=0"]).refusal();
+    assert!(stderr.contains("a number above 0, at most 100"), "{stderr}");
 }
 
 #[test]
 fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
     let folder = survey();
     let words = ["--algorithm", "ml-tm", "--truth", "nodes.csv", "--format", "json"];
-    let (code, stdout, stderr) = map(folder.path(), &words);
-    assert_eq!(code, 0, "{stderr}");
-    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let summary = map(folder.path(), &words).json();
     let mapped = &summary["maps"][0];
     assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"ml-tm".into()));
     assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{mapped:#}");
@@ -168,7 +159,7 @@ fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
     assert_eq!(profile["converged"], true, "{profile:#}");
     // Every node was heard up to 2 m.
     assert!((profile["range_m"].as_f64().unwrap() - 2.0).abs() < 0.5, "{profile:#}");
-    let (_, text, _) = map(folder.path(), &["--profile", "fitted", "--truth", "nodes.csv"]);
+    let text = map(folder.path(), &["--profile", "fitted", "--truth", "nodes.csv"]).printed();
     assert!(text.contains("ml-tm: fitted profile of range") && text.contains("converged in"), "{text}");
     assert!(text.contains("in 95 % region"), "{text}");
 }
@@ -177,32 +168,27 @@ fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
 fn a_log_is_mapped_by_the_given_algorithm() {
     let folder = survey();
     let words = ["--algorithm", "self-calibrated", "--truth", "nodes.csv"];
-    let (code, stdout, stderr) = map(folder.path(), &[&words[..], &["--format", "json"]].concat());
-    assert_eq!(code, 0, "{stderr}");
-    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let summary = map(folder.path(), &[&words[..], &["--format", "json"]].concat()).json();
     let mapped = &summary["maps"][0];
     assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"self-calibrated".into()));
     assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{mapped:#}");
     let calibration = &mapped["calibration"];
     assert_eq!((&calibration["obstacle_knowledge"], &calibration["converged"]), (&"from_log".into(), &true.into()));
     assert!((calibration["range_m"].as_f64().unwrap() - 2.0).abs() < 0.5, "{calibration:#}");
-    let (_, text, _) = map(folder.path(), &words);
+    let text = map(folder.path(), &words).printed();
     assert!(text.contains("self-calibrated: curve of range"), "{text}");
     assert!(text.contains("no obstacles found from receptions, drives and contacts"), "{text}");
-    let (code, _, stderr) = map(folder.path(), &[&words[..], &["--profile", PROFILE]].concat());
-    assert!(code == 2 && stderr.contains("no map has a reception profile"), "{stderr}");
-    let (code, _, stderr) = map(folder.path(), &["--algorithm", "guess"]);
-    assert!(code == 2 && stderr.contains("self-calibrated"), "{stderr}");
+    let stderr = map(folder.path(), &[&words[..], &["--profile", PROFILE]].concat()).refusal();
+    assert!(stderr.contains("no map has a reception profile"), "{stderr}");
+    let stderr = map(folder.path(), &["--algorithm", "guess"]).refusal();
+    assert!(stderr.contains("self-calibrated"), "{stderr}");
 }
 
 #[test]
 fn a_log_of_a_known_channel_is_mapped_with_its_profile() {
     let folder = survey();
     let profile = "channel:exponent=2,sigma_db=1,tx_power_dbm=-50,sensitivity_dbm=-57";
-    let (code, stdout, stderr) =
-        map(folder.path(), &["--profile", profile, "--truth", "nodes.csv", "--format", "json"]);
-    assert_eq!(code, 0, "{stderr}");
-    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let summary = map(folder.path(), &["--profile", profile, "--truth", "nodes.csv", "--format", "json"]).json();
     assert!(summary["maps"][0]["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{summary:#}");
     assert!(summary["maps"][0].get("fitted_profile").is_none());
 }
@@ -214,10 +200,10 @@ fn without_truth_nothing_is_measured() {
     assert!(summary["maps"][0].get("position_error_m").is_none(), "{summary:#}");
     std::fs::write(folder.path().join("some.csv"), "node,x_m,y_m\na,1,1\n").unwrap();
     let words = ["--profile", PROFILE, "--truth", "some.csv"];
-    let (code, _, stderr) = map(folder.path(), &words);
+    let (code, _, stderr) = map(folder.path(), &words).all();
     assert_eq!(code, 0);
     assert!(stderr.contains("note: the true positions of 3 of 4 nodes are unknown"), "{stderr}");
-    assert_eq!(map(folder.path(), &[&words[..], &["--quiet"]].concat()).2, "");
+    assert_eq!(map(folder.path(), &[&words[..], &["--quiet"]].concat()).all().2, "");
 }
 
 #[test]
@@ -242,7 +228,7 @@ fn the_number_of_threads_does_not_change_the_results() {
 fn bad_input_and_an_output_in_a_missing_folder_exit_with_two() {
     let folder = survey();
     let refused = |words: &[&str], code: i32, message: &str| {
-        let (found, stdout, stderr) = map(folder.path(), words);
+        let (found, stdout, stderr) = map(folder.path(), words).all();
         assert_eq!((found, stdout.as_str()), (code, ""), "{words:?}: {stderr}");
         assert!(stderr.contains(message), "{words:?}: {stderr}");
     };
@@ -266,8 +252,7 @@ fn bad_input_and_an_output_in_a_missing_folder_exit_with_two() {
 fn a_log_without_a_scenario_cannot_know_the_obstacles() {
     let folder = survey();
     let profile = "channel:exponent=2,sigma_db=4,tx_power_dbm=-50,sensitivity_dbm=-60,obstacles=\"known\"";
-    let (code, _, stderr) = map(folder.path(), &["--profile", profile]);
-    assert_eq!(code, 2);
+    let stderr = map(folder.path(), &["--profile", profile]).refusal();
     assert!(stderr.contains("obstacles of the world"), "{stderr}");
 }
 
@@ -275,8 +260,7 @@ fn a_log_without_a_scenario_cannot_know_the_obstacles() {
 fn a_stop_with_an_invalid_position_is_rejected_with_its_line() {
     let folder = survey();
     std::fs::write(folder.path().join("log/stops.csv"), "stop,t_s,x_m,y_m\n0,0,0,0\n1,1,1e308,0\n").expect("room");
-    let (code, _, stderr) = map(folder.path(), &[]);
-    assert_eq!(code, 2);
+    let stderr = map(folder.path(), &[]).refusal();
     assert!(stderr.contains("stops.csv") && stderr.contains("1e308"), "{stderr}");
 }
 
@@ -303,10 +287,8 @@ fn a_map_reports_the_heights_at_which_it_searched_for_nodes() {
     for algorithm in ["ml-tm", "self-calibrated"] {
         let summary = |heights_m: fn(u32) -> f64| {
             round_survey(folder.path(), heights_m, 9);
-            let (code, stdout, stderr) = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]);
-            assert_eq!(code, 0, "{stderr}");
-            let summary: Value = serde_json::from_str(&stdout).expect("JSON");
-            (summary["maps"][0]["heights"].clone(), map(folder.path(), &["--algorithm", algorithm]).1)
+            let summary = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]).json();
+            (summary["maps"][0]["heights"].clone(), map(folder.path(), &["--algorithm", algorithm]).printed())
         };
         let (heights, text) = summary(|_| 1.0);
         assert_eq!(heights, serde_json::json!({"low_m": 1.0, "high_m": 1.0, "from": "stops"}));
@@ -329,7 +311,7 @@ fn a_curve_and_nodes_at_their_bound_are_reported() {
     let folder = survey();
     round_survey(folder.path(), |_| 0.0, 5);
     let words = ["--algorithm", "self-calibrated"];
-    let (_, stdout, _) = map(folder.path(), &[&words[..], &["--format", "json"]].concat());
+    let stdout = map(folder.path(), &[&words[..], &["--format", "json"]].concat()).printed();
     let summary: Value = serde_json::from_str(&stdout).expect("JSON");
     let mapped = &summary["maps"][0];
     let calibration = &mapped["calibration"];
@@ -338,7 +320,7 @@ fn a_curve_and_nodes_at_their_bound_are_reported() {
     assert_eq!(mapped["at_bound"], serde_json::json!(["a", "b", "c"]), "{mapped:#}");
     let concerns = ["a", "b", "c"].map(|node| serde_json::json!({"node": node, "concern": "no-evidence"}));
     assert_eq!(mapped["concerns"], serde_json::json!(concerns), "{mapped:#}");
-    let (_, text, _) = map(folder.path(), &words);
+    let text = map(folder.path(), &words).printed();
     assert!(
         text.contains("warning: 3 nodes have no place that the evidence prefers") && text.contains(": a, b, c"),
         "{text}"

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 
@@ -34,8 +35,8 @@ fn survey(heights_m: [f64; 3]) -> tempfile::TempDir {
 }
 
 /// Exit code, standard output and standard error of `sextant map WORDS` in `folder`.
-fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    call(folder, &[&["map"], words].concat()).all()
+fn map(folder: &Path, words: &[&str]) -> Output {
+    call(folder, &[&["map"], words].concat())
 }
 
 /// The figures that are in `folder`, sorted.
@@ -76,9 +77,9 @@ fn regions(path: &Path) -> usize {
 #[test]
 fn a_log_is_drawn_with_names_regions_curve_and_residuals() {
     let folder = survey([0.0; 3]);
-    let (code, stdout, stderr) =
-        map(folder.path(), &[".", "--algorithm", "ml-tm", "--truth", "nodes.csv", "--figure", "new/figures"]);
-    assert_eq!(code, 0, "{stderr}");
+    let stdout =
+        map(folder.path(), &[".", "--algorithm", "ml-tm", "--truth", "nodes.csv", "--figure", "new/figures"])
+            .printed();
     let figures = folder.path().join("new/figures");
     let expected = ["connectivity-cdf", "curve-ml-tm", "error-cdf", "map-ml-tm", "network", "residuals-ml-tm"];
     let expected = expected.map(|name| format!("{name}.svg"));
@@ -111,7 +112,7 @@ fn without_truth_and_in_space_the_map_is_drawn_from_two_sides() {
     let folder = survey([0.0, 2.0, 4.0]);
     let words =
         [".", "--figure", ".", "--figure-format", "svg", "--algorithm", "self-calibrated", "--format", "json"];
-    let (code, stdout, stderr) = map(folder.path(), &words);
+    let (code, stdout, stderr) = map(folder.path(), &words).all();
     assert_eq!(code, 0, "{stderr}");
     assert!(stdout.starts_with('{') && stdout.trim_end().ends_with('}'), "standard output is JSON alone: {stdout}");
     assert!(stderr.contains("note: wrote ./map-self-calibrated.svg"), "{stderr}");
@@ -136,8 +137,7 @@ fn each_map_of_a_recording_has_its_pictures() {
     fs::write(folder.path().join("two.toml"), text).expect("there is room");
     let mut run = cargo_bin_cmd!("sextant");
     run.args(["run", "two.toml", "--out", "two.mcap", "--quiet"]).current_dir(folder.path()).assert().success();
-    let (code, _, stderr) = map(folder.path(), &["two.mcap", "--figure", "figs", "--figure-format", "png"]);
-    assert_eq!(code, 0, "{stderr}");
+    map(folder.path(), &["two.mcap", "--figure", "figs", "--figure-format", "png"]).printed();
     let names = [
         "connectivity-cdf",
         "curve-given",
@@ -167,8 +167,7 @@ fn obstacles_that_a_map_claims_are_drawn_and_told() {
     run.args(["--set", "world.nodes.lattice.count=110", "--set", "robots.0.controller.automated_s.step_m=2.0"]);
     run.current_dir(folder.path()).assert().success();
     let words = ["run.mcap", "--algorithm", "self-calibrated", "--figure", "f", "--summary", "map.json"];
-    let (code, table, stderr) = map(folder.path(), &words);
-    assert_eq!(code, 0, "{stderr}");
+    let table = map(folder.path(), &words).printed();
     let summary = fs::read_to_string(folder.path().join("map.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     let area_m2 = summary["maps"][0]["calibration"]["absorbing_m2"].as_f64().expect("an area");
@@ -182,10 +181,11 @@ fn obstacles_that_a_map_claims_are_drawn_and_told() {
 #[test]
 fn a_folder_that_cannot_be_written_is_rejected_before_the_work() {
     let folder = survey([0.0; 3]);
-    let (code, stdout, stderr) = map(folder.path(), &[".", "--figure", "stops.csv/figures", "--out", "map.csv"]);
+    let (code, stdout, stderr) =
+        map(folder.path(), &[".", "--figure", "stops.csv/figures", "--out", "map.csv"]).all();
     assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
     assert!(stderr.contains("`stops.csv/figures` cannot be written"), "{stderr}");
     assert!(!folder.path().join("map.csv").exists(), "no map was computed");
-    let (code, _, stderr) = map(folder.path(), &[".", "--figure-format", "png"]);
-    assert!(code == 2 && stderr.contains("--figure <DIR>"), "{stderr}");
+    let stderr = map(folder.path(), &[".", "--figure-format", "png"]).refusal();
+    assert!(stderr.contains("--figure <DIR>"), "{stderr}");
 }

@@ -10,7 +10,7 @@ use sextant_kernel::NodeId;
 use sextant_recording::{FILES_ATTACHMENTS, read_log};
 use tempfile::TempDir;
 
-use crate::program::{self, Said, call, sextant};
+use crate::program::{self, Said, call, folder, sextant};
 
 /// A network of IEEE 802.15.4 with a map that knows channel and obstacles; nodes, obstacles and traffic are missing.
 const SURVEY: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\
@@ -40,7 +40,7 @@ fn book() -> String {
     for sector in 0..4 {
         for azimuth_deg in (-180..180).step_by(30) {
             let gain_dbi = 8.0 * f64::from(azimuth_deg - 90 * sector).to_radians().cos();
-            writeln!(text, "{sector},{azimuth_deg},0,{gain_dbi}").expect("a test with room on the disk");
+            writeln!(text, "{sector},{azimuth_deg},0,{gain_dbi}").expect("there is room");
         }
     }
     text
@@ -53,22 +53,14 @@ fn json(folder: &Path, words: &[&str]) -> Value {
 
 /// Runs a scenario beside its `files`, maps the recording in another folder, and compares what was recorded and mapped.
 fn check(scenario: &str, files: &[(&str, &str)]) {
-    let (home, away) = (
-        TempDir::new().expect("a test with room on the disk"),
-        TempDir::new().expect("a test with room on the disk"),
-    );
-    fs::create_dir(home.path().join("files")).expect("a test with room on the disk");
-    fs::write(home.path().join("named.toml"), scenario).expect("a test with room on the disk");
-    for (name, text) in files {
-        fs::write(home.path().join(name), text).expect("a test with room on the disk");
-    }
+    let home = folder(&[&[("named.toml", scenario)], files].concat());
+    let away = folder(&[]);
     let run = json(home.path(), &["run", "named.toml", "--out", "run.mcap", "--summary", "summary.json"]);
-    fs::copy(home.path().join("run.mcap"), away.path().join("run.mcap")).expect("a test with room on the disk");
-    home.close().expect("a test with room on the disk");
-    let recorded = read_log(&away.path().join("run.mcap")).expect("a test with room on the disk");
+    fs::copy(home.path().join("run.mcap"), away.path().join("run.mcap")).expect("there is room");
+    home.close().expect("there is room");
+    let recorded = read_log(&away.path().join("run.mcap")).expect("a recording");
     for (name, text) in files {
-        let attachment =
-            recorded.attachment(&format!("{FILES_ATTACHMENTS}{name}")).expect("a test with room on the disk");
+        let attachment = recorded.attachment(&format!("{FILES_ATTACHMENTS}{name}")).expect("a file");
         assert_eq!(String::from_utf8_lossy(&attachment.data), *text, "{name}");
     }
     let map = json(away.path(), &["map", "run.mcap", "--summary", "summary.json"]);
@@ -76,6 +68,13 @@ fn check(scenario: &str, files: &[(&str, &str)]) {
     assert!(error(&run)["mean"].is_number(), "{run}");
     assert_eq!(error(&map), error(&run));
     assert_eq!(map["maps"][0]["vertices_evaluated"], run["maps"][0]["vertices_evaluated"]);
+}
+
+/// A survey of the nodes of a table among a pile, which is a mesh of a file.
+fn among_pile() -> String {
+    let mesh =
+        "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
+    format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}")
 }
 
 #[test]
@@ -86,18 +85,14 @@ fn a_table_of_nodes_is_carried() {
 
 #[test]
 fn a_mesh_that_a_map_knows_is_carried() {
-    let mesh =
-        "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
-    let scenario =
-        format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}");
-    check(&scenario, &[("nodes.csv", NODES), ("files/pile.obj", MESH)]);
+    check(&among_pile(), &[("nodes.csv", NODES), ("files/pile.obj", MESH)]);
 }
 
 #[test]
 fn a_trace_of_traffic_is_carried() {
     let rows = (0..60).flat_map(|i| ["a", "b", "c", "d", "e"].map(|node| (f64::from(i) * 0.5, node)));
     let trace = rows.enumerate().fold("t_s,node,mpdu_octets\n".to_owned(), |mut text, (i, (time_s, node))| {
-        writeln!(text, "{:.3},{node},20", time_s + 0.05 * (i % 5) as f64).expect("a test with room on the disk");
+        writeln!(text, "{:.3},{node},20", time_s + 0.05 * (i % 5) as f64).expect("there is room");
         text
     });
     let scenario =
@@ -127,30 +122,19 @@ fn a_map_for_an_application_is_carried() {
 
 #[test]
 fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
-    let folder = TempDir::new().expect("a test with room on the disk");
-    fs::create_dir(folder.path().join("files")).expect("a test with room on the disk");
-    let mesh =
-        "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
-    let text =
-        format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}");
-    let mut recorder = sextant_recording::FileRecorder::create(&folder.path().join("old.mcap"))
-        .expect("a test with room on the disk");
-    recorder.scenario(&text).expect("a test with room on the disk");
-    recorder.nodes(&["a".to_owned()]).expect("a test with room on the disk");
+    // The file of the working folder is not the one of the run.
+    let folder = folder(&[("files/pile.obj", MESH)]);
+    let text = among_pile();
+    let mut recorder =
+        sextant_recording::FileRecorder::create(&folder.path().join("old.mcap")).expect("there is room");
+    recorder.scenario(&text).expect("there is room");
+    recorder.nodes(&["a".to_owned()]).expect("there is room");
     let stop = Stop::at(Position::ORIGIN);
     let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
     let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
-    recorder.stop(None, "r", 0, &stop, &[heard]).expect("a test with room on the disk");
-    recorder.finish().expect("a test with room on the disk");
-    // The file of the working folder is not the one of the run.
-    fs::write(folder.path().join("files/pile.obj"), MESH).expect("a test with room on the disk");
-    let output = sextant()
-        .current_dir(folder.path())
-        .args(["map", "old.mcap"])
-        .output()
-        .expect("a test with room on the disk");
-    assert_eq!(output.status.code(), Some(2));
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    recorder.stop(None, "r", 0, &stop, &[heard]).expect("there is room");
+    recorder.finish().expect("there is room");
+    let message = call(folder.path(), &["map", "old.mcap"]).refusal();
     assert!(message.contains("pile.obj") && message.contains("attached to the recording"), "{message}");
 }
 
@@ -161,13 +145,13 @@ fn a_sweep_and_a_check_work_in_a_folder_whose_name_is_no_unicode() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
 
-    let home = TempDir::new().expect("a test with room on the disk");
+    let home = TempDir::new().expect("there is room");
     let folder = home.path().join(OsStr::from_bytes(b"f\xff"));
-    fs::create_dir_all(folder.join("cells")).expect("a test with room on the disk");
+    fs::create_dir_all(folder.join("cells")).expect("there is room");
     let base = format!("{SURVEY}[world.nodes.csv]\nfile = \"nodes.csv\"\n[traffic.periodic]\ninterval_s = 0.5\n");
     let sweep = "extends = \"../base.toml\"\nname = \"swept\"\n[sweep]\nruns = 1\n[sweep.product]\nradio.tx_power_dbm = [-50, -55]\n";
     for (name, text) in [("base.toml", base.as_str()), ("nodes.csv", NODES), ("cells/sweep.toml", sweep)] {
-        fs::write(folder.join(name), text).expect("a test with room on the disk");
+        fs::write(folder.join(name), text).expect("there is room");
     }
     let scenario = folder.join("cells/sweep.toml");
     let program = |words: &[&str], out: &str| {

@@ -251,14 +251,14 @@ fn a_node_that_dies_by_a_fault_is_dead_in_the_tree_and_in_the_shares() {
     let run = Recorded::of(
         "routing/given-tree.toml",
         &[
-            "duration_s=310",
+            "duration_s=70",
             "traffic.periodic.interval_s=0.02",
             "recording.packets=true",
-            "faults={ deaths = { names = [\"two\"], from_s = 300, to_s = 300 } }",
+            "faults={ deaths = { names = [\"two\"], from_s = 60, to_s = 60 } }",
         ],
     );
     let died: Vec<_> = run.table("routing_tree").into_iter().map(|edge| edge["died_s"].clone()).collect();
-    assert_eq!(died, ["", "300", "", "", "", "", ""]);
+    assert_eq!(died, ["", "60", "", "", "", "", ""]);
     run.figure(&[]);
     assert!(run.picture("tree.svg").contains("7 nodes, 1.0 hops in the mean, 1 at most, 5 without a way, 1 dead"));
     let died = run.summary["mac"]["died"].as_u64().expect("a count");

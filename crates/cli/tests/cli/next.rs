@@ -89,10 +89,9 @@ fn walls_of_geojson_are_in_the_unit_that_is_said() {
     fs::write(path.join("walls.geojson"), wall).unwrap();
     let words =
         ["log", "--algorithm", "link-model", "--area", "0,-6,26,8", "--stops", "3", "--floorplan", "walls.geojson"];
-    let refused = String::from_utf8_lossy(&next(path, &words).stderr).into_owned();
-    let flat: String = refused.replace("│", " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    let refused = next(path, &words).refusal();
     assert!(
-        flat.contains("49.000 by 0.000 degrees") && flat.contains("`--floorplan-unit` says their unit"),
+        refused.contains("49.000 by 0.000 degrees") && refused.contains("`--floorplan-unit` says their unit"),
         "{refused}"
     );
     let stops = places(&found(path, &[&words[..], &["--floorplan-unit", "m"]].concat()));
@@ -102,8 +101,7 @@ fn walls_of_geojson_are_in_the_unit_that_is_said() {
         let words = [command, "log", "--algorithm", "packet-centroid", "--floorplan", "walls.geojson", "--out", out];
         let call = |more: &[&str]| sextant().args(words).args(more).current_dir(path).output().unwrap();
         assert_eq!(call(&[]).status.code(), Some(2), "{command}");
-        let done = call(&["--floorplan-unit", "m"]);
-        assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+        call(&["--floorplan-unit", "m"]).printed();
     }
 }
 
@@ -118,17 +116,11 @@ fn ranges_alone_do_not_tell_where_to_stop() {
             .unwrap();
     }
     fs::write(path.join("log/ranges.csv"), rows).unwrap();
-    let told = |words: &[&str]| {
-        let output = next(path, words);
-        assert_eq!(output.status.code(), Some(2), "{words:?}");
-        let error = String::from_utf8_lossy(&output.stderr).replace("│", " ");
-        error.split_whitespace().collect::<Vec<_>>().join(" ")
-    };
-    let of_ranges = told(&["log", "--algorithm", "range-ml"]);
+    let of_ranges = next(path, &["log", "--algorithm", "range-ml"]).refusal();
     assert!(of_ranges.contains("a map that is made of ranges does not tell these"), "{of_ranges}");
     assert!(of_ranges.contains("`link-model`"), "{of_ranges}");
     fs::remove_file(path.join("log/receptions.csv")).unwrap();
-    let alone = told(&["log"]);
+    let alone = next(path, &["log"]).refusal();
     assert!(alone.contains("the log has ranges and no packets") && !alone.contains("auto"), "{alone}");
 }
 
@@ -155,10 +147,7 @@ fn what_is_missing_is_told() {
         (&["silent"], "no node was heard"),
         (&["fixed"], "nobody drives in this log: it has 2 receivers without a way"),
     ] {
-        let output = next(path, words);
-        let error = String::from_utf8_lossy(&output.stderr).replace("\n  │ ", " ");
-        assert_eq!(output.status.code(), Some(2), "{words:?}: {error}");
-        let flat: String = error.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(flat.contains(problem), "{words:?}: {error}");
+        let error = next(path, words).refusal();
+        assert!(error.contains(problem), "{words:?}: {error}");
     }
 }

@@ -8,7 +8,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-use crate::program::{scenario, sextant};
+use crate::program::{self, Said, scenario, sets, sextant};
 
 /// All scenarios in a folder and those below it.
 fn scenarios(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -25,9 +25,7 @@ fn scenarios(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 fn output(arguments: &[&str], file: &Path, out: &Path) -> Output {
-    let output = sextant().args(arguments).arg(file).arg("--out").arg(out).output().expect("the program starts");
-    assert!(output.status.success(), "{}: {}", file.display(), String::from_utf8_lossy(&output.stderr));
-    output
+    sextant().args(arguments).arg(file).arg("--out").arg(out).output().expect("the program starts")
 }
 
 /// The numbers of a printed table by the name of their row, which ends where two spaces follow.
@@ -70,17 +68,13 @@ fn lines_of_a_survey_and_of_its_traffic_to_sinks_have_different_labels() {
     let robot = "[[robots]]\nname = \"second\"\nstart_m = [-2.0, -2.0]\nlisten_s = 1.2\n\
                  [robots.controller.waypoints]\nplaces_m = [[0.0, 0.0], [3.0, 0.0]]\n";
     fs::write(&file, format!("extends = {smoke:?}\n{sink}")).expect("a file");
-    let table = output(&["run", "--quiet"], &file, &folder.path().join("a.mcap")).stdout;
-    let table = String::from_utf8(table).expect("text");
+    let table = output(&["run", "--quiet"], &file, &folder.path().join("a.mcap")).printed();
     assert_eq!(twice(&table), [""; 0], "{table}");
     assert!(table.contains("traffic to sinks\n"), "{table}");
     assert!(table.contains("surveyor: ended at the end of its path, after "), "{table}");
     // A list of robots replaces that of the other file.
-    let json: Value = {
-        fs::write(&file, format!("extends = {smoke:?}\n{robot}")).expect("a file");
-        let json = output(&["run", "--quiet", "--format", "json"], &file, &folder.path().join("b.mcap")).stdout;
-        serde_json::from_slice(&json).expect("JSON")
-    };
+    fs::write(&file, format!("extends = {smoke:?}\n{robot}")).expect("a file");
+    let json = output(&["run", "--quiet", "--format", "json"], &file, &folder.path().join("b.mcap")).json();
     let robot = &json["gathering"]["robots"][0];
     assert_eq!((&robot["ended"], &robot["ending"]), (&"path-ended".into(), &"complete".into()));
     assert!(robot["unreached"].as_array().is_some_and(|nodes| !nodes.is_empty()), "{robot}");
@@ -121,9 +115,9 @@ fn at(json: &Value, path: &str) -> u64 {
 /// Checks the packets of a scenario; returns how many were offered, if it counts them.
 fn check(file: &Path, folder: &Path, set: &[&str]) -> Option<u64> {
     let name = file.display();
-    let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+    let set: Vec<&str> = sets(set).collect();
     let json = [&["run", "--quiet", "--format", "json"][..], &set].concat();
-    let json: Value = serde_json::from_slice(&output(&json, file, &folder.join("a.mcap")).stdout).expect("JSON");
+    let json = output(&json, file, &folder.join("a.mcap")).json();
     // Where the packets stand in the summary and, behind a prefix, in columns.
     let (key, prefix, received) = if json.get("mac").is_some() {
         ("mac", "mac.", "packets delivered")
@@ -141,8 +135,7 @@ fn check(file: &Path, folder: &Path, set: &[&str]) -> Option<u64> {
     let by: u64 = ["transmitting", "asleep", "off"].iter().map(|by| at(&packets["not_listened_by"], by)).sum();
     assert_eq!(by, at(packets, "not_listened"), "{name}");
 
-    let table = output(&[&["run", "--quiet"][..], &set].concat(), file, &folder.join("a.mcap")).stdout;
-    let table = String::from_utf8(table).expect("text");
+    let table = output(&[&["run", "--quiet"][..], &set].concat(), file, &folder.join("a.mcap")).printed();
     assert_eq!(twice(&table), [""; 0], "{name}: {table}");
     let table = printed(&table);
     let row = |row: &str| *table.get(row).unwrap_or_else(|| panic!("{name}: no row `{row}` in {table:?}"));
@@ -158,16 +151,12 @@ fn check(file: &Path, folder: &Path, set: &[&str]) -> Option<u64> {
     // One run of the scenario without its own axes: its columns are those of any sweep.
     let csv = folder.join("sweep.csv");
     let sweep = [&["sweep", "--quiet", "--runs", "1", "--set", "sweep={ runs = 1 }"][..], &set].concat();
-    output(&sweep, file, &csv);
-    let text = fs::read_to_string(&csv).expect("a table");
+    output(&sweep, file, &csv).printed();
+    let row = program::table(&csv)[0].clone();
     fs::remove_file(&csv).expect("the next table has the same name");
-    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let (header, values) = (lines.next().expect("a header"), lines.next().expect("a row"));
     let column = |column: &str| {
-        let column = format!("{prefix}{column}");
-        let place = header.iter().position(|name| *name == column);
-        let place = place.unwrap_or_else(|| panic!("{name}: no column {column} in {header:?}"));
-        values[place].parse::<u64>().unwrap_or_else(|_| panic!("{name}: {column} is `{}`", values[place]))
+        let value = row.get(&format!("{prefix}{column}")).unwrap_or_else(|| panic!("{name}: {column} in {row:?}"));
+        value.parse::<u64>().unwrap_or_else(|_| panic!("{name}: {column} is `{value}`"))
     };
     let summed = column(received_key) + COLUMNS.iter().map(|name| column(name)).sum::<u64>();
     assert_eq!(summed, column(offered_key), "{name}");
@@ -199,8 +188,7 @@ fn a_sink_that_acknowledges_misses_frames_and_the_table_says_so() {
     let file = scenario("mac/saturated-star.toml");
     let set =
         ["--set", "traffic.saturated.acknowledged=true", "--set", "duration_s=5.0", "--format", "json", "--quiet"];
-    let json = output(&[&["run"][..], &set].concat(), &file, &folder.path().join("a.mcap")).stdout;
-    let json: Value = serde_json::from_slice(&json).expect("JSON");
+    let json = output(&[&["run"][..], &set].concat(), &file, &folder.path().join("a.mcap")).json();
     let mac = &json["mac"];
     assert!(at(mac, "not_listened_by.transmitting") > 10, "{mac}");
     assert_eq!(at(mac, "not_listened_by.transmitting"), at(mac, "not_listened"), "{mac}");

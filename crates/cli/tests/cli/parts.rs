@@ -11,7 +11,7 @@ use sextant_kernel::{Purpose, Seed};
 use sextant_logs::{self as robot_log, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
 
 use super::drive::{assert_holds, kept, map, options, path_csv};
-use super::program::{folder, unwrapped};
+use super::program::{Said, folder};
 
 /// Of the first time of the paths of the captures and of the bags (ns).
 const CAPTURES_NS: u32 = 123_456_000;
@@ -294,12 +294,8 @@ fn a_flag_for_another_form_of_log_is_an_error() {
             assert_eq!(refused, !allowed.contains(&flag), "{flag}, {form}");
         }
     }
-    let (code, _, stderr) = map(&kept("bags/odometry"), &["--missing", "100"]);
-    assert_eq!(code, 2, "{stderr}");
-    assert!(
-        unwrapped(&stderr).contains("`--missing` is for tables with a row a stop and a column a node, but"),
-        "{stderr}"
-    );
+    let stderr = map(&kept("bags/odometry"), &["--missing", "100"]).refusal();
+    assert!(stderr.contains("`--missing` is for tables with a row a stop and a column a node, but"), "{stderr}");
 }
 
 #[cfg(feature = "sqlite-bags")]

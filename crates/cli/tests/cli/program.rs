@@ -75,11 +75,13 @@ pub(crate) fn unwrapped(text: &str) -> String {
     text.split_whitespace().filter(|word| !["│", "×"].contains(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// A folder with these files.
+/// A folder with these files, which may be in folders of their own.
 pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().expect("there is room");
     for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).expect("there is room");
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a file is in a folder")).expect("there is room");
+        std::fs::write(path, text).expect("there is room");
     }
     folder
 }

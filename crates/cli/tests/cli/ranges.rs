@@ -8,7 +8,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::program::{Said, folder, sextant};
+use super::program::{Said, call, folder, sets, sextant, unwrapped};
 
 const NODES: &str = "node,x_m,y_m\nA,4,5\nB,16,3\nC,10,13\nD,-3,9\n";
 const PLACES: [(&str, [f64; 2]); 4] =
@@ -101,7 +101,7 @@ fn odometry_is_corrected_by_ranges() {
     for words in [&["inspect"][..], &["report", "--algorithm", "range-ml"]] {
         let output = sextant().args(words).arg(log.path()).current_dir(out.path()).output().unwrap();
         let (_, printed, message) = output.all();
-        let all = (printed + &message).replace("│", " ").split_whitespace().collect::<Vec<_>>().join(" ");
+        let all = unwrapped(&(printed + &message));
         assert!(all.contains(told), "{words:?}: {all}");
     }
     let path = &corrected.json()["path"];
@@ -289,25 +289,23 @@ fn strengths_track_a_tag_and_a_side_is_for_receivers_on_a_line() {
         (&["--reciprocal", "--transmitter", "other"], "no range and no strength"),
         (&["--stop-every", "1m"], "is for logs of packets and a path"),
     ] {
-        let output = run(&log, &[&words[..], more].concat());
-        let told = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(!output.status.success() && told.contains(problem), "{told}");
+        let told = run(&log, &[&words[..], more].concat()).refusal();
+        assert!(told.contains(problem), "{told}");
     }
     let row = "node,x_m,y_m\nA,0,0\nB,8,0\nC,16,0\nD,24,0\n";
     std::fs::write(log.path().join("row.csv"), row).unwrap();
-    let told = run(&log, &["--track", "--known", "row.csv"]);
-    assert!(String::from_utf8_lossy(&told.stdout).contains("mirror image"), "{told:?}");
+    let told = run(&log, &["--track", "--known", "row.csv"]).printed();
+    assert!(told.contains("mirror image"), "{told}");
 }
 
 #[test]
 fn a_run_whose_robot_measured_nothing_is_recorded_and_says_that_it_has_no_map() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |words: &[&str]| sextant().args(words).current_dir(folder.path()).output().unwrap();
+    let run = |words: &[&str]| call(folder.path(), words);
     run(&["init", "ranges"]);
     let silent = ["--set", "radio.tx_power_dbm=-100.0", "--out", "run.mcap", "--format", "json", "--quiet"];
-    let output = run(&[&["run", "ranges.toml"], &silent[..]].concat());
-    let map = output.json()["maps"][0].clone();
-    assert!(output.status.success() && map["mapped"] == 0 && map["unmapped"] == 16, "{map}");
+    let map = run(&[&["run", "ranges.toml"], &silent[..]].concat()).json()["maps"][0].clone();
+    assert!(map["mapped"] == 0 && map["unmapped"] == 16, "{map}");
     assert!(map["not_made"].as_str().unwrap().contains("needs measured ranges"), "{map}");
     assert!(map["judgement"].to_string().contains("no map was made"), "{map}");
     assert!(run(&["inspect", "run.mcap"]).status.success());
@@ -317,22 +315,18 @@ fn a_run_whose_robot_measured_nothing_is_recorded_and_says_that_it_has_no_map() 
 fn ranges_that_cannot_be_are_refused_where_they_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |set: &[&str]| {
-        let sets: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
-        let words = [&["check", "ranges.toml"], &sets[..]].concat();
-        let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
-        assert!(!output.status.success());
-        String::from_utf8_lossy(&output.stderr).into_owned()
+        let words: Vec<&str> = ["check", "ranges.toml"].into_iter().chain(sets(set)).collect();
+        call(folder.path(), &words).refusal()
     };
-    sextant().args(["init", "ranges"]).current_dir(folder.path()).output().unwrap();
+    call(folder.path(), &["init", "ranges"]);
     assert!(refused(&["ranging.noise_m=-1"]).contains("`ranging.noise_m` is -1; allowed: a number from 0 to 1000"));
     assert!(refused(&["ranging.exchange={ideal={interval_s=0}}"]).contains("ranging.exchange.ideal.interval_s"));
     assert!(refused(&["ranging.bias=1"]).contains("did you mean `bias_m`?"));
     // Nothing of a recording is of a receiver at a known place.
-    sextant().args(["init", "survey"]).current_dir(folder.path()).output().unwrap();
-    sextant().args(["run", "survey.toml", "--quiet"]).current_dir(folder.path()).output().unwrap();
+    call(folder.path(), &["init", "survey"]);
+    call(folder.path(), &["run", "survey.toml", "--quiet"]);
     std::fs::write(folder.path().join("known.csv"), NODES).unwrap();
     let words = ["map", "survey.mcap", "--track", "--known", "known.csv"];
-    let output = sextant().args(words).current_dir(folder.path()).output().unwrap();
-    let problem = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && problem.contains("no strength to a node with a known place"), "{problem}");
+    let problem = call(folder.path(), &words).refusal();
+    assert!(problem.contains("no strength to a node with a known place"), "{problem}");
 }

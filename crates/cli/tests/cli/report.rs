@@ -2,11 +2,7 @@
 
 use std::fs;
 
-use super::program::{call, scenario, unwrapped};
-
-fn text(octets: &[u8]) -> String {
-    String::from_utf8_lossy(octets).into_owned()
-}
+use super::program::{Said, call, scenario};
 
 #[test]
 fn a_report_of_a_run_is_written_in_the_working_folder() {
@@ -14,23 +10,14 @@ fn a_report_of_a_run_is_written_in_the_working_folder() {
     let smoke = scenario("smoke.toml");
     let smoke = smoke.to_str().expect("UTF-8");
     assert!(call(folder.path(), &["run", smoke, "--out", "a.mcap", "--quiet"]).status.success());
-    let before = fs::read(folder.path().join("a.mcap")).expect("a recording");
-    let told = call(folder.path(), &["report", "a.mcap"]);
-    assert!(told.status.success(), "{}", text(&told.stderr));
+    let told = call(folder.path(), &["report", "a.mcap"]).printed();
     let html = fs::read_to_string(folder.path().join("a.html")).expect("a report");
-    assert_eq!(text(&told.stdout), format!("a.html ({} kB)\n", html.len().div_ceil(1000)));
+    assert_eq!(told, format!("a.html ({} kB)\n", html.len().div_ceil(1000)));
     assert!(html.starts_with("<!DOCTYPE html>") && html.contains("<title>smoke"));
     assert!(html.len() < 5_000_000);
 
-    let refused = call(folder.path(), &["report", "a.mcap", "--out", "a.mcap"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("an output never replaces an input"), "{}", text(&refused.stderr));
-    assert_eq!(fs::read(folder.path().join("a.mcap")).expect("a recording"), before);
-
-    let mapped = call(folder.path(), &["report", "a.mcap", "--algorithm", "auto", "--out", "b.html", "--quiet"]);
-    assert!(mapped.status.success(), "{}", text(&mapped.stderr));
-    let again = call(folder.path(), &["report", "a.mcap", "--out", "c.html"]);
-    assert!(again.status.success());
+    call(folder.path(), &["report", "a.mcap", "--algorithm", "auto", "--out", "b.html", "--quiet"]).printed();
+    call(folder.path(), &["report", "a.mcap", "--out", "c.html"]).printed();
     assert_eq!(fs::read_to_string(folder.path().join("c.html")).expect("a report"), html, "the same bytes");
 }
 
@@ -43,8 +30,7 @@ fn a_report_of_a_log_has_its_map() {
     fs::write(log.join("stops.csv"), format!("stop,t_s,x_m,y_m\n{stops}")).expect("room");
     fs::write(log.join("receptions.csv"), "node,stop,received,sent\nlamp,4,9,10\nlamp,3,5,10\nlamp,5,5,10\n")
         .expect("room");
-    let told = call(folder.path(), &["report", "walk", "--algorithm", "packet-centroid"]);
-    assert!(told.status.success(), "{}", text(&told.stderr));
+    call(folder.path(), &["report", "walk", "--algorithm", "packet-centroid"]).printed();
     let html = fs::read_to_string(folder.path().join("walk.html")).expect("a report");
     assert!(html.contains("Map of a log") && html.contains("<title>walk"));
 }
@@ -58,9 +44,7 @@ fn what_is_not_an_input_is_refused() {
         ("text.mcap", "no recording at all", "but a text that begins with `no recording at all`"),
     ] {
         fs::write(folder.path().join(name), content).expect("room");
-        let refused = call(folder.path(), &["report", name]);
-        assert_eq!(refused.status.code(), Some(2), "{name}");
-        let told = unwrapped(&text(&refused.stderr));
+        let told = call(folder.path(), &["report", name]).refusal();
         assert!(told.contains(said), "{told}");
     }
     assert_eq!(call(folder.path(), &["report", "absent.mcap"]).status.code(), Some(2));

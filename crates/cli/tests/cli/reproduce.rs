@@ -4,9 +4,9 @@ use std::process::Output;
 
 use tempfile::TempDir;
 
-use crate::program::sextant;
 #[cfg(unix)]
 use crate::program::signal;
+use crate::program::{Said, sextant};
 
 fn reproduce(arguments: &[&str], folder: &TempDir) -> Output {
     sextant().current_dir(folder.path()).arg("reproduce").args(arguments).output().expect("it starts")
@@ -15,9 +15,7 @@ fn reproduce(arguments: &[&str], folder: &TempDir) -> Output {
 #[test]
 fn the_list_names_each_experiment() {
     let folder = TempDir::new().unwrap();
-    let output = reproduce(&["--list"], &folder);
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = reproduce(&["--list"], &folder).printed();
     for experiment in sextant_thesis::experiments() {
         let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id.as_str()));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
@@ -31,9 +29,7 @@ fn the_list_names_each_experiment() {
 #[test]
 fn an_experiment_writes_its_table_and_the_scenarios() {
     let folder = TempDir::new().unwrap();
-    let output = reproduce(&["3.2", "--out", "here", "--quiet", "--format", "json"], &folder);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json = reproduce(&["3.2", "--out", "here", "--quiet", "--format", "json"], &folder).json();
     let lines = &json["reproduction"]["experiments"][0]["lines"];
     assert_eq!(lines.as_array().unwrap().len(), 4);
     assert_eq!((&lines[2]["published"], &lines[2]["source"]), (&"0.3708".into(), &"table 3.2".into()));
@@ -48,9 +44,7 @@ fn an_experiment_writes_its_table_and_the_scenarios() {
 #[test]
 fn pages_have_the_verdicts_of_conclusions_and_numbers() {
     let folder = TempDir::new().unwrap();
-    let output = reproduce(&["3.2", "3.3", "--runs", "2", "--out", "here", "--quiet"], &folder);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let printed = String::from_utf8(output.stdout).unwrap();
+    let printed = reproduce(&["3.2", "3.3", "--runs", "2", "--out", "here", "--quiet"], &folder).printed();
     assert!(printed.lines().any(|line| line.starts_with("chapter 3  ")), "{printed}");
     let read = |folder_name: &str, name: &str| {
         std::fs::read_to_string(folder.path().join(folder_name).join(name)).unwrap_or_else(|_| panic!("{name}"))
@@ -81,8 +75,7 @@ fn the_committed_results_are_what_the_program_computes() {
         parts.push(("3.3", "half_width_95"));
     }
     let ids: Vec<&str> = parts.iter().map(|(id, _)| *id).collect();
-    let output = reproduce(&[&ids[..], &["--out", "here", "--quiet"]].concat(), &folder);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    reproduce(&[&ids[..], &["--out", "here", "--quiet"]].concat(), &folder).printed();
     let committed = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results");
     for (id, kept) in parts {
         let read = |folder: &std::path::Path| std::fs::read_to_string(folder.join(format!("{id}.csv"))).unwrap();
@@ -115,8 +108,7 @@ fn other_seeds_give_other_runs_and_are_known_to_the_folder() {
         table.lines().skip(1).map(|row| row.split(',').nth(2).unwrap().to_owned()).collect()
     };
     let made = |arguments: &[&str]| {
-        let output = reproduce(&[&["3.3", "--quiet", "--format", "json"], arguments].concat(), &folder);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        reproduce(&[&["3.3", "--quiet", "--format", "json"], arguments].concat(), &folder).printed();
     };
     made(&["--seeds", "5..7", "--out", "range"]);
     made(&["--seed", "5", "--runs", "2", "--out", "first"]);
@@ -149,8 +141,7 @@ fn rows(table: &str) -> Vec<Vec<String>> {
 #[test]
 fn readings_show_what_a_number_depends_on() {
     let folder = TempDir::new().unwrap();
-    let output = reproduce(&["3.3", "--readings", "--runs", "2", "--out", "here", "--quiet"], &folder);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    reproduce(&["3.3", "--readings", "--runs", "2", "--out", "here", "--quiet"], &folder).printed();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap_or_else(|_| panic!("{name}"));
     let page = read("here/chapter-3.md");
     assert!(page.contains("### What it depends on"), "{page}");
@@ -174,17 +165,14 @@ fn readings_show_what_a_number_depends_on() {
     assert!((number(4) - turning).abs() < 1e-9, "{cells:?}: {turning}");
     assert!((number(5) - (turning - taken)).abs() < 1e-9, "{cells:?}: {turning} and {taken}");
     // Runs of readings are read back, and only they give the part of the page.
-    let again = reproduce(&["3.3", "--from", "here", "--out", "there", "--quiet"], &folder);
-    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    reproduce(&["3.3", "--from", "here", "--out", "there", "--quiet"], &folder).printed();
     assert_eq!(page, read("there/chapter-3.md"));
 }
 
 #[test]
 fn an_unknown_id_is_rejected_with_a_list_of_ids() {
     let folder = TempDir::new().unwrap();
-    let output = reproduce(&["9.9"], &folder);
-    assert_eq!(output.status.code(), Some(2));
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let text = reproduce(&["9.9"], &folder).refusal();
     assert!(text.contains("`9.9`") && text.contains("3.6"), "{text}");
     assert_eq!(reproduce(&[], &folder).status.code(), Some(2), "an id is required");
     assert_eq!(reproduce(&["3.2", "--runs", "0"], &folder).status.code(), Some(2));

@@ -12,7 +12,7 @@ mod signals;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 /// A folder with the smallest scenario, its recording and its summary.
 pub(super) struct Bench(tempfile::TempDir);
@@ -64,9 +64,7 @@ impl Bench {
 
     /// What a command that is refused says, with line breaks as spaces.
     pub(super) fn refused(&self, line: &str) -> String {
-        let output = self.run(line);
-        let said = String::from_utf8(output.stderr).expect("UTF-8");
-        assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+        let said = self.run(line).refusal();
         said.replace("\n  │ ", " ")
     }
 }

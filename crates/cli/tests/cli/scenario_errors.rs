@@ -1,9 +1,9 @@
 //! Invalid scenarios: each is rejected with exit code 2, and the error points at the mistake.
 
-use std::path::Path;
-
-use assert_cmd::cargo::cargo_bin_cmd;
 use insta::assert_snapshot;
+use tempfile::TempDir;
+
+use crate::program::{Said, call, folder};
 
 /// A valid scenario, in which tests change one line.
 const GOOD: &str = r#"name = "good"
@@ -48,68 +48,38 @@ plateau_m = 2.0
 range_m = 10.0
 "#;
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new(files: &[(&str, &str)]) -> Self {
-        let folder = tempfile::tempdir().expect("there is room");
-        for (name, text) in files {
-            let path = folder.path().join(name);
-            std::fs::create_dir_all(path.parent().expect("a file is in a folder")).expect("there is room");
-            std::fs::write(path, text).expect("there is room");
-        }
-        Self(folder)
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    /// Runs `sextant` in the folder; returns exit code, standard output and standard error.
-    fn sextant(&self, words: &[&str]) -> (i32, String, String) {
-        let output = cargo_bin_cmd!("sextant")
-            .args(words)
-            .current_dir(self.path())
-            .env("NO_COLOR", "1")
-            .output()
-            .expect("the program starts");
-        let text = |bytes| String::from_utf8(bytes).expect("the output is text");
-        (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
-    }
-
-    /// The errors that `check` with the arguments `words` prints.
-    fn refusal(&self, words: &[&str]) -> String {
-        let (code, stdout, stderr) = self.sextant(&[&["check"], words].concat());
-        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
-        stderr
-    }
+/// The errors that `check` with the arguments `words` prints in a folder.
+fn refusal(folder: &TempDir, words: &[&str]) -> String {
+    let (code, stdout, stderr) = call(folder.path(), &[&["check"], words].concat()).all();
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    stderr
 }
 
 /// The errors of the valid scenario with `from` replaced by `to`.
 fn refused(from: &str, to: &str) -> String {
     assert_eq!(GOOD.matches(from).count(), 1, "{from}");
-    Folder::new(&[("a.toml", &GOOD.replace(from, to))]).refusal(&["a.toml"])
+    refusal(&folder(&[("a.toml", &GOOD.replace(from, to))]), &["a.toml"])
 }
 
 fn refused_flag(flag: &str) -> String {
-    Folder::new(&[("a.toml", GOOD)]).refusal(&["a.toml", "--set", flag])
+    refusal(&folder(&[("a.toml", GOOD)]), &["a.toml", "--set", flag])
 }
 
 #[test]
 fn the_unchanged_scenario_is_valid() {
-    let (code, stdout, stderr) = Folder::new(&[("a.toml", GOOD)]).sextant(&["check", "a.toml"]);
+    let (code, stdout, stderr) = call(folder(&[("a.toml", GOOD)]).path(), &["check", "a.toml"]).all();
     assert_eq!((code, stderr.as_str()), (0, ""));
     assert_eq!(stdout, "ok good: 2 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n");
 }
 
 #[test]
 fn a_missing_file() {
-    assert_snapshot!(Folder::new(&[]).refusal(&["none.toml"]));
+    assert_snapshot!(refusal(&folder(&[]), &["none.toml"]));
 }
 
 #[test]
 fn a_folder() {
-    assert_snapshot!(Folder::new(&[("folder/a.toml", GOOD)]).refusal(&["folder"]));
+    assert_snapshot!(refusal(&folder(&[("folder/a.toml", GOOD)]), &["folder"]));
 }
 
 #[test]
@@ -210,7 +180,7 @@ fn an_array_that_is_too_short() {
 fn several_errors_are_reported_at_once() {
     let text = GOOD.replace("exponent = 3.0", "exponent = 0.0").replace("p0 = 0.95", "p0 = 1.5");
     let text = text.replace("interval_s = 1.0", "interval_s = 0.0");
-    let text = Folder::new(&[("a.toml", &text)]).refusal(&["a.toml"]);
+    let text = refusal(&folder(&[("a.toml", &text)]), &["a.toml"]);
     for place in ["a.toml:22:12", "a.toml:25:14", "a.toml:38:6"] {
         assert!(text.contains(place), "{place}: {text}");
     }
@@ -218,8 +188,8 @@ fn several_errors_are_reported_at_once() {
 
 #[test]
 fn valid_files_are_reported_beside_invalid_ones() {
-    let folder = Folder::new(&[("a.toml", GOOD), ("b.toml", "nam = 1"), ("c.toml", GOOD)]);
-    let (code, stdout, stderr) = folder.sextant(&["check", "a.toml", "b.toml", "none.toml", "c.toml"]);
+    let folder = folder(&[("a.toml", GOOD), ("b.toml", "nam = 1"), ("c.toml", GOOD)]);
+    let (code, stdout, stderr) = call(folder.path(), &["check", "a.toml", "b.toml", "none.toml", "c.toml"]).all();
     assert_eq!(code, 2);
     assert_eq!(stdout.lines().count(), 2, "{stdout}");
     assert!(stderr.contains("b.toml:1:1") && stderr.contains("`none.toml`"), "{stderr}");
@@ -242,15 +212,15 @@ fn a_flag_with_a_typo() {
 
 #[test]
 fn a_circle_of_files() {
-    let folder = Folder::new(&[("a.toml", "extends = \"b.toml\""), ("b.toml", "extends = \"a.toml\"")]);
-    assert_snapshot!(folder.refusal(&["a.toml"]));
+    let folder = folder(&[("a.toml", "extends = \"b.toml\""), ("b.toml", "extends = \"a.toml\"")]);
+    assert_snapshot!(refusal(&folder, &["a.toml"]));
 }
 
 #[test]
 fn an_error_in_an_extended_file() {
     let base = GOOD.replace("exponent = 3.0", "exponent = inf");
-    let folder = Folder::new(&[("base/base.toml", &base), ("a.toml", "extends = \"base/base.toml\"\nseed = 2")]);
-    let text = folder.refusal(&["a.toml"]);
+    let folder = folder(&[("base/base.toml", &base), ("a.toml", "extends = \"base/base.toml\"\nseed = 2")]);
+    let text = refusal(&folder, &["a.toml"]);
     assert!(text.contains("base/base.toml:22:12"), "{text}");
 }
 
@@ -258,13 +228,13 @@ fn an_error_in_an_extended_file() {
 fn file_paths_are_relative_to_the_layer_that_names_them() {
     let base = GOOD.replace("[world.nodes.explicit]", "[world.nodes.csv]");
     let base = base.replace("positions_m = [[0.0, 0.0], [1.0, 0.0]]", "file = \"nodes.csv\"");
-    let folder = Folder::new(&[
+    let folder = folder(&[
         ("base/base.toml", &base),
         ("base/nodes.csv", "node,x_m,y_m\na,0,0\nb,1,0\nc,2,0\n"),
         ("top/a.toml", "extends = \"../base/base.toml\""),
     ]);
     for file in ["base/base.toml", "top/a.toml"] {
-        let (_, stdout, stderr) = folder.sextant(&["check", file]);
+        let (_, stdout, stderr) = call(folder.path(), &["check", file]).all();
         assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n", "{stderr}");
     }
     let mesh = base.replace("shape.box]", "shape.mesh]").replace("center_m = [5.0, 5.0, 0.0]", "file = \"hut.obj\"");
@@ -272,11 +242,11 @@ fn file_paths_are_relative_to_the_layer_that_names_them() {
     let hut = "v 5 5 0\nv 6 5 0\nv 5 6 0\nv 5 5 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     std::fs::write(folder.path().join("base/hut.obj"), hut).unwrap();
     for file in ["base/base.toml", "top/a.toml"] {
-        let (_, stdout, stderr) = folder.sextant(&["check", file]);
+        let (_, stdout, stderr) = call(folder.path(), &["check", file]).all();
         assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n", "{stderr}");
     }
     std::fs::write(folder.path().join("base/nodes.csv"), "node,x_m,y_m\na,0,zero\n").unwrap();
-    let text = folder.refusal(&["base/base.toml"]);
+    let text = refusal(&folder, &["base/base.toml"]);
     assert!(text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"), "{text}");
 }
 

@@ -14,7 +14,7 @@ use sextant_mac::dmg::{MAX_MEASUREMENTS, SweepBody, SweepFrame, brp_measurements
 use sextant_recording::read_log;
 use tempfile::TempDir;
 
-use crate::program::{Said, sextant};
+use crate::program::{Said, call};
 
 /// A robot with the antenna of the router that asks nodes for all sectors. Nodes listen with 0 dBi.
 const SCENARIO: &str = r#"
@@ -94,7 +94,7 @@ impl Ran {
     }
 
     fn succeeds(&self, words: &[&str]) {
-        sextant().current_dir(self.0.path()).args(words).output().unwrap().printed();
+        call(self.0.path(), words).printed();
     }
 
     fn path(&self, name: &str) -> PathBuf {

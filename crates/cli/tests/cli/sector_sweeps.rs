@@ -10,7 +10,7 @@ use sextant_recording::{inspect, read_log, recover};
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
-use crate::program::{Said, run_text, sextant, summary};
+use crate::program::{Said, call, run_text, sextant, summary};
 
 const WORLD: &str = r#"
 name = "sweeps"
@@ -124,7 +124,7 @@ fn answers_that_the_window_ends_are_not_said_to_be_lost_to_a_busy_channel() {
     // Answers with a backoff of one slot at most end in it.
     let text = small_survey().replace("mac.sector_sweep]", "mac.sector_sweep]\nwindow_ms = 0.15");
     std::fs::write(folder.path().join("a.toml"), text).unwrap();
-    let output = sextant().current_dir(folder.path()).args(["run", "a.toml", "--quiet"]).output().unwrap();
+    let output = call(folder.path(), &["run", "a.toml", "--quiet"]);
     let table = String::from_utf8_lossy(&output.stdout);
     let row = table.lines().find(|line| line.contains("lost before sending")).unwrap_or_default();
     assert!(row.contains("the window for answers ended") && !table.contains("busy channel"), "{table}");
@@ -198,7 +198,7 @@ fn an_antenna_that_turns_with_the_robot_is_mapped_alike_from_the_run_its_recordi
 #[test]
 fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
     let (folder, _) = run_text(&two(), &[]);
-    sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap().printed();
+    call(folder.path(), &["figure", "run.mcap"]).printed();
     let svg = |name: &str| std::fs::read_to_string(folder.path().join("run.figures").join(name)).unwrap();
     let sectors = svg("sectors.svg");
     assert!(sectors.contains("sectors at a stop") && sectors.contains("of rover"), "a title and a note");
@@ -276,9 +276,7 @@ fn maps_of_networks_that_robots_do_not_survey_are_rejected() {
     ] {
         let folder = TempDir::new().unwrap();
         std::fs::write(folder.path().join("a.toml"), two()).unwrap();
-        let output = sextant().current_dir(folder.path()).args(["check", "a.toml", "--set", flag]).output().unwrap();
-        let error = String::from_utf8_lossy(&output.stderr).replace("\n  │ ", " ");
-        assert_eq!(output.status.code(), Some(2), "{error}");
+        let error = call(folder.path(), &["check", "a.toml", "--set", flag]).refusal();
         assert!(error.contains(expected), "{error}");
     }
 }

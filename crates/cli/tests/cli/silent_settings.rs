@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use crate::program::{Said, scenario, sextant};
+use crate::program::{Said, folder, scenario, sextant, unwrapped};
 
 /// The smoke scenario with this sweep, in a folder of its own.
 fn swept(sweep: &str) -> (tempfile::TempDir, std::path::PathBuf) {
@@ -69,16 +69,14 @@ fn settings_beside_those_that_a_sweep_varies_have_their_effect() {
         // What the hint of the error says.
         "sweep.product.\"robots.0.speed_m_per_s\"=[3]",
     ] {
-        let output = sextant_with(&["sweep", "--dry-run", "--set", setting], &path);
-        assert!(output.status.success(), "{setting}: {}", String::from_utf8_lossy(&output.stderr));
+        sextant_with(&["sweep", "--dry-run", "--set", setting], &path).printed();
     }
     // `run` does not sweep, and `check` is for both.
     for arguments in [
         &["check", "--set", "robots.0.speed_m_per_s=3"][..],
         &["run", "--quiet", "--set", "robots.0.speed_m_per_s=3"],
     ] {
-        let output = sextant_with(arguments, &path);
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        sextant_with(arguments, &path).printed();
     }
 }
 
@@ -90,8 +88,7 @@ fn seeds_beyond_the_greatest_one_are_refused() {
     assert!(said.contains(&format!("allowed: a seed of at most {}", u64::MAX - 1)), "{said}");
     let said = refused(&["sweep", "--dry-run", "--shard", "1/2", "--runs", "10", "--seed", &greatest], &path);
     assert!(said.contains(&format!("allowed: a seed of at most {}", u64::MAX - 9)), "{said}");
-    let output = sextant_with(&["sweep", "--dry-run", "--runs", "1", "--seed", &greatest], &path);
-    let said = String::from_utf8_lossy(&output.stdout);
+    let said = sextant_with(&["sweep", "--dry-run", "--runs", "1", "--seed", &greatest], &path).printed();
     assert!(said.contains(&format!("with the seeds {greatest} to {greatest}")), "{said}");
 }
 
@@ -118,9 +115,8 @@ fn a_setting_that_a_later_one_replaces_is_refused_and_keys_that_one_leaves_out_a
         );
         assert!(said.contains("`channel.max_range_m=5` has no effect"), "{command:?}: {said}");
         let table = "channel.path_loss={log_distance={exponent=3}}";
-        let output = sextant_with(&[command, &["--set", table]].concat(), &path);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success() && said.contains("log_distance.reference_loss_db` of the file"), "{said}");
+        let (code, _, said) = sextant_with(&[command, &["--set", table]].concat(), &path).all();
+        assert!(code == 0 && said.contains("log_distance.reference_loss_db` of the file"), "{said}");
     }
 }
 
@@ -137,15 +133,12 @@ fn a_mistake_that_concerns_several_parts_is_told_once() {
         (format!("name = \"m\"\n{nodes}{rest}[anchors]\ncount = 1\n{maps}"), "for the maps `a`, `b`, `c`"),
         (format!("name = \"m\"\n{nodes}{obstacle}{rest}"), "and 3 others as wrong"),
     ] {
-        let folder = tempfile::tempdir().expect("there is room");
+        let folder = folder(&[("mistake.toml", &text)]);
         let path = folder.path().join("mistake.toml");
-        fs::write(&path, text).expect("there is room");
         for command in [&["check"][..], &["run", "--quiet"], &["sweep", "--quiet"]] {
-            let output = sextant_with(command, &path);
-            let said = String::from_utf8(output.stderr).expect("text");
+            let (_, _, said) = sextant_with(command, &path).all();
             assert_eq!(said.matches('×').count(), 1, "{command:?}: {said}");
-            let line =
-                said.lines().map(|line| line.trim_start_matches([' ', '│', '×'])).collect::<Vec<_>>().join(" ");
+            let line = unwrapped(&said);
             assert!(line.contains(mistake), "{command:?}: {line}");
         }
     }

@@ -85,9 +85,7 @@ fn nodes_with_fast_clocks_and_nodes_that_die_end_in_a_summary() {
         let mut command = sextant();
         command.current_dir(folder.path()).arg("run").arg(scenario(name)).args(["--set", "duration_s=600.0"]);
         command.args(["--set", settings[0], "--set", settings[1], "--quiet", "--format", "json"]);
-        let output = command.output().expect("it starts");
-        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
-        let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+        let summary = command.output().expect("it starts").json();
         let mac = &summary["mac"];
         let lost = ["lost_collision", "lost_queue", "lost_signal", "out_of_range", "not_listened"];
         let ended = lost.iter().chain(&["delivered", "died", "pending"]);
@@ -125,9 +123,7 @@ fn the_same_seed_gives_the_same_slots_and_wireshark_decodes_them() {
         command.current_dir(folder.path()).arg("run").arg(scenario("tsch/joining.toml"));
         command.args(["--set", "duration_s=300.0", "--format", "json", "--quiet"]);
         let output = command.args(["--pcap", &format!("{name}.pcap"), "--out", &format!("{name}.mcap")]).output();
-        let output = output.expect("it starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).expect("a summary")
+        output.expect("it starts").json()
     };
     let summaries = ["a", "b"].map(run);
     for ending in ["pcap", "mcap"] {

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{sextant, summary};
+use crate::program::{call, summary};
 
 /// A wall of 1 m from x = 4.5 m on between two nodes, as a shape of each kind.
 const WALLS: [&str; 5] = [
@@ -56,7 +56,7 @@ fn folder() -> TempDir {
 /// Exit code, standard output and standard error of the program with a scenario `a.toml`.
 fn told(folder: &Path, text: &str, words: &[&str]) -> (Option<i32>, String, String) {
     std::fs::write(folder.join("a.toml"), text).expect("there is room");
-    let output = sextant().args(words).current_dir(folder).output().expect("the program starts");
+    let output = call(folder, words);
     let text = |bytes| String::from_utf8(bytes).expect("the output is text");
     (output.status.code(), text(output.stdout), text(output.stderr))
 }

@@ -153,14 +153,12 @@ fn a_killed_sweep_is_resumed_with_the_same_rows() {
     child.wait().unwrap();
     assert!(!out.exists(), "a killed sweep must not look finished");
 
-    let again = sweep(&scenario, &out, &[]);
-    assert_eq!(again.status.code(), Some(2), "without --resume, finished parts are not discarded");
-    assert!(String::from_utf8_lossy(&again.stderr).contains("--resume"));
+    let message = sweep(&scenario, &out, &[]).refusal();
+    assert!(message.contains("--resume"), "{message}");
     let other = sweep(&scenario, &out, &["--resume", "--seed", "9"]);
     assert_eq!(other.status.code(), Some(2), "parts of different sweeps are not mixed");
 
-    let resumed = sweep(&scenario, &out, &["--resume"]);
-    assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
+    sweep(&scenario, &out, &["--resume"]).printed();
     assert_eq!(std::fs::read(&out).unwrap(), std::fs::read(&whole).unwrap());
     assert!(!parts.exists());
 }
@@ -190,15 +188,12 @@ fn an_interrupted_sweep_is_not_resumed_after_a_file_that_the_scenario_names_has_
         [("nodes.csv", NODES, NODES.replace("9,8", "9,7")), ("block.obj", MESH, MESH.replace('7', "8"))]
     {
         std::fs::write(file(name), new).unwrap();
-        let changed = sweep(&scenario, &out, &["--resume"]);
-        let text = String::from_utf8_lossy(&changed.stderr).into_owned();
-        assert_eq!(changed.status.code(), Some(2), "{name}: {text}");
+        let text = sweep(&scenario, &out, &["--resume"]).refusal();
         assert!(text.contains("a different sweep") && text.contains("a file that it names"), "{name}: {text}");
         assert!(!out.exists(), "{name}");
         std::fs::write(file(name), old).unwrap();
     }
-    let resumed = sweep(&scenario, &out, &["--resume"]);
-    assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
+    sweep(&scenario, &out, &["--resume"]).printed();
     assert_eq!(table(&out).len(), 2);
 }
 
@@ -295,8 +290,7 @@ fn an_extension_runs_only_what_is_missing() {
     let (head, rows) = text.split_once('\n').unwrap();
     let kept: Vec<String> = rows.lines().filter(|line| !line.starts_with("1,1,")).map(mark).collect();
     std::fs::write(&out, format!("{head}\n{}\n", kept.join("\n"))).unwrap();
-    let longer = sweep(&scenario, &out, &["--runs", "3"]);
-    assert!(longer.status.success(), "{}", String::from_utf8_lossy(&longer.stderr));
+    sweep(&scenario, &out, &["--runs", "3"]).printed();
     let rows = table(&out);
     assert_eq!(rows.len(), 2 * 3 * 2, "two cells, three runs, two maps");
     let (marked, new): (Vec<_>, Vec<_>) = rows.iter().partition(|row| &row[at] == "123456");

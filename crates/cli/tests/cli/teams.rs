@@ -1,9 +1,8 @@
 //! Teams of robots: what their recordings say when they are mapped, and logs of one robot.
 
-use assert_cmd::cargo::cargo_bin_cmd;
 use tempfile::TempDir;
 
-use crate::program::{Said, scenario, sextant, summary};
+use crate::program::{Said, call, folder, scenario, sextant, summary};
 
 #[test]
 fn a_recording_of_robots_with_unknown_frames_is_stitched_as_in_the_run() {
@@ -25,9 +24,7 @@ fn a_recording_of_robots_with_unknown_frames_is_stitched_as_in_the_run() {
     }
     run.arg("--out").arg(path("run.mcap")).output().expect("it starts").printed();
     let output = sextant().arg("map").arg(path("run.mcap")).arg("--summary").arg(path("map.json")).output();
-    let output = output.expect("it starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = output.expect("it starts").printed();
     assert!(text.contains("surveyor-3 joined: "), "{text}");
     let [of_run, of_recording] = ["run.json", "map.json"].map(|name| summary(&path(name))["maps"][0].clone());
     assert!(of_run["position_error_m"]["mean"].is_number() && of_run["stitching"]["joined"] == 3, "{of_run}");
@@ -36,21 +33,12 @@ fn a_recording_of_robots_with_unknown_frames_is_stitched_as_in_the_run() {
 
 #[test]
 fn the_log_of_one_robot_is_not_stitched() {
-    let folder = TempDir::new().expect("there is room");
-    for (name, text) in [
+    let folder = folder(&[
         ("stops.csv", "stop,t_s,x_m,y_m\n0,0,0,0\n1,1,2,0\n2,2,4,1\n"),
         ("receptions.csv", "node,stop,received,sent\na,0,3,5\na,1,5,5\nb,1,2,5\nb,2,5,5\n"),
-    ] {
-        std::fs::write(folder.path().join(name), text).expect("there is room");
-    }
+    ]);
     for words in [&["--stitch"][..], &["--algorithm", "packet-centroid", "--set", "maps.0.stitch={}"]] {
-        let mut command = cargo_bin_cmd!("sextant");
-        let output = command.args(["map", "."]).args(words).current_dir(folder.path()).env("NO_COLOR", "1").output();
-        let output = output.expect("it starts");
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        let message: Vec<&str> = message.split_whitespace().filter(|word| *word != "│").collect();
-        let message = message.join(" ");
-        assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+        let message = call(folder.path(), &[&["map", "."], words].concat()).refusal();
         assert!(message.contains("give the stops a column `robot`"), "{words:?}: {message}");
     }
 }

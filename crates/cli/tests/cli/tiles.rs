@@ -6,7 +6,7 @@ use std::process::Output;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{Said, scenario, sextant};
+use crate::program::{Said, scenario, sextant, unwrapped};
 
 /// A recording of a shipped scenario, in a folder of its own.
 struct Recorded {
@@ -35,10 +35,7 @@ impl Recorded {
 
     /// The map file and the summary without its timing.
     fn mapped(&self, words: &[&str]) -> (String, Value) {
-        let output = self.map("map.csv", words);
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{words:?}: {stderr}");
-        let mut summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let mut summary = self.map("map.csv", words).json();
         summary.as_object_mut().expect("an object").remove("timing");
         (std::fs::read_to_string(self.file("map.csv")).expect("a map"), summary)
     }
@@ -52,12 +49,7 @@ impl Recorded {
             assert!(tiled == map, "{words:?} in {count} tiles: the map is another one");
             assert_eq!(of_tiles, summary, "{words:?} in {count} tiles");
         }
-        let mut left: Vec<_> = std::fs::read_dir(self.folder.path())
-            .expect("a folder")
-            .map(|entry| entry.expect("a file").file_name())
-            .collect();
-        left.sort();
-        assert_eq!(left, ["map.csv", "run.mcap"], "no temporary file remains");
+        assert_eq!(files(self.folder.path()), ["map.csv", "run.mcap"], "no temporary file remains");
     }
 
     /// The error of a map with these words, which leaves no file.
@@ -66,13 +58,17 @@ impl Recorded {
         assert!(!output.status.success(), "{words:?}");
         let left = std::fs::read_dir(self.folder.path()).expect("a folder").count();
         assert_eq!(left, 1, "{words:?} left a file");
-        // Messages are wrapped.
-        String::from_utf8_lossy(&output.stderr)
-            .split_whitespace()
-            .filter(|word| *word != "│")
-            .collect::<Vec<_>>()
-            .join(" ")
+        unwrapped(&output.all().2)
     }
+}
+
+/// The names of the files in a folder.
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<_> =
+        entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
 }
 
 /// A log of a robot: 80 nodes, of which each stop hears those near it, with a packet a row.
@@ -118,9 +114,7 @@ fn tiles_of_the_log_of_a_robot_give_the_map_of_one_piece() {
         let map = |words: &[&str]| {
             let mut command = sextant();
             command.arg("map").arg(folder.path().join(log)).arg("--out").arg(folder.path().join("map.csv"));
-            let output = command.args(words).args(["--format", "json"]).output().expect("it starts");
-            assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-            let mut summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            let mut summary = command.args(words).args(["--format", "json"]).output().expect("it starts").json();
             // What is odd in a log is sought in one piece only.
             for key in ["timing", "notes"] {
                 summary.as_object_mut().expect("an object").remove(key);
@@ -220,12 +214,6 @@ fn a_program_that_is_killed_leaves_no_temporary_file() {
     }
 }
 
-#[cfg(unix)]
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    entries.map(|entry| entry.expect("a file").file_name().to_string_lossy().into_owned()).collect()
-}
-
 #[test]
 fn tiles_that_are_kept_by_several_processes_give_the_map_of_one() {
     let recorded = Recorded::of("ml-tm/circular.toml");
@@ -237,19 +225,17 @@ fn tiles_that_are_kept_by_several_processes_give_the_map_of_one() {
         let make = |tiles: &str| {
             let mut command = sextant();
             command.arg("map").arg(recorded.file("run.mcap")).args(words).args(["--tiles", "6"]);
-            let output = command.args(["--keep-tiles", kept, "--only-tiles", tiles]).output().expect("it starts");
-            (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned(), output.stderr)
+            command.args(["--keep-tiles", kept, "--only-tiles", tiles]).output().expect("it starts")
         };
         let (map, summary) = recorded.mapped(words);
-        assert_eq!(make("2..5").1, "2..5 of 6 tiles are kept\n", "{words:?}");
-        assert_eq!(make("0..3").0, Some(0), "a tile may be asked for twice");
+        assert_eq!(make("2..5").printed(), "2..5 of 6 tiles are kept\n", "{words:?}");
+        assert!(make("0..3").status.success(), "a tile may be asked for twice");
         let all = [words, &["--tiles", "6", "--keep-tiles", kept]].concat();
         let (joined, of_joined) = recorded.mapped(&all);
         assert!(joined == map, "{words:?}: the map is another one");
         assert_eq!(of_joined, summary, "{words:?}");
-        let (code, _, stderr) = make("5..7");
-        let message = String::from_utf8_lossy(&stderr).into_owned();
-        assert!(code == Some(2) && message.contains("there are no tiles 5..7"), "{message}");
+        let message = make("5..7").refusal();
+        assert!(message.contains("there are no tiles 5..7"), "{message}");
     }
 }
 
@@ -260,9 +246,7 @@ fn tiles_of_other_settings_are_refused() {
     let words = ["--algorithm", "ml-tm", "--tiles", "2", "--keep-tiles", kept.to_str().expect("UTF-8")];
     assert!(recorded.map("a.csv", &words).status.success());
     let other = [&words[..], &["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.4"]].concat();
-    let output = recorded.map("b.csv", &other);
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{message}");
+    let message = recorded.map("b.csv", &other).refusal();
     assert!(message.contains("cannot be used as a finished tile"), "{message}");
     let tile = kept.join("ml-tm/000001.csv");
     let text = std::fs::read_to_string(&tile).expect("a tile");
@@ -300,10 +284,7 @@ fn a_tile_of_another_place_and_one_that_is_no_file_are_refused() {
     for (expected, change) in changes {
         fs::remove_file(&second).expect("it is there");
         change();
-        let output = recorded.map("b.csv", &words);
-        let message = String::from_utf8_lossy(&output.stderr).replace('│', "");
-        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_eq!(output.status.code(), Some(2), "{message}");
+        let message = recorded.map("b.csv", &words).refusal();
         assert!(message.contains(expected), "{expected}: {message}");
     }
     fs::remove_file(&second).expect("it is there");

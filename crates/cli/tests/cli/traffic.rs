@@ -118,9 +118,7 @@ fn each_packet_of_each_shipped_study_is_in_one_outcome() {
 fn traffic_that_nobody_receives_is_an_error() {
     let star = Folder::new("[traffic.beacon]\ninterval_s = 1.0\n");
     assert!(star.run(&[]).status.success());
-    let refused = star.run(&["sinks=[]"]);
-    let message = String::from_utf8(refused.stderr).expect("text");
-    assert_eq!(refused.status.code(), Some(2), "{message}");
+    let message = star.run(&["sinks=[]"]).refusal();
     assert!(message.contains("`sinks` is missing") && message.contains("or a robot that surveys"), "{message}");
 }
 

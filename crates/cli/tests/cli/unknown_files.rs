@@ -3,14 +3,14 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 use std::path::Path;
+use std::process::Output;
 
 use super::drive::kept;
-use super::program::{Said, folder, sextant, unwrapped};
+use super::program::{Said, folder, sextant};
 
-/// Runs the program; returns its exit code, what it printed, and its error in one line.
-fn run(words: &[&str]) -> (i32, String, String) {
-    let (code, printed, message) = sextant().args(words).output().unwrap().all();
-    (code, printed, unwrapped(&message))
+/// Runs the program.
+fn run(words: &[&str]) -> Output {
+    sextant().args(words).output().unwrap()
 }
 
 /// A pcap file with this magic number and link type, and these frames, a second apart.
@@ -80,8 +80,7 @@ fn files_that_are_no_log_are_told_by_all_commands_that_read_logs() {
             &["map", &file, "--pan", "0xabcd"],
             &["map", &file, "--tiles", "2"],
         ] {
-            let (code, _, stderr) = run(words);
-            assert_eq!(code, 2, "{words:?}: {stderr}");
+            let stderr = run(words).refusal();
             assert!(stderr.contains(expected), "{words:?}: {stderr}\nshould say: {expected}");
             assert!(
                 !stderr.contains("is a recording of `run`") && !stderr.contains("MCAP file"),
@@ -112,8 +111,8 @@ fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
         &["map", &log, "--path", &gpx],
         &["map", &file("packets.csv"), "--path", &gpx],
     ] {
-        let (code, _, stderr) = run(words);
-        assert!(code == 2 && stderr.contains("is a web page"), "{words:?}: {stderr}");
+        let stderr = run(words).refusal();
+        assert!(stderr.contains("is a web page"), "{words:?}: {stderr}");
     }
     // Commands for recordings say the same.
     let (tables, copy, pictures) = (file("tables"), file("copy.mcap"), file("pictures"));
@@ -122,8 +121,8 @@ fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
         &["recover", &page, "--out", &copy],
         &["figure", &page, "--out", &pictures],
     ] {
-        let (code, _, stderr) = run(words);
-        assert!(code == 2 && stderr.contains("is not an MCAP file, but a web page"), "{words:?}: {stderr}");
+        let stderr = run(words).refusal();
+        assert!(stderr.contains("is not an MCAP file, but a web page"), "{words:?}: {stderr}");
     }
 }
 
@@ -137,10 +136,10 @@ fn a_file_of_another_program_in_mcap_is_no_recording_of_run() {
     writer.write_to_known_channel(&header, b"{}").unwrap();
     writer.finish().unwrap();
     let file = file.display().to_string();
-    let (code, _, stderr) = run(&["map", &file]);
-    assert!(code == 2 && stderr.contains("has no reception log") && stderr.contains("/chatter"), "{stderr}");
-    let (code, _, stderr) = run(&["map", &file, "--skip-no-fix"]);
-    assert!(code == 2 && stderr.contains("is an MCAP file that is no ROS bag"), "{stderr}");
+    let stderr = run(&["map", &file]).refusal();
+    assert!(stderr.contains("has no reception log") && stderr.contains("/chatter"), "{stderr}");
+    let stderr = run(&["map", &file, "--skip-no-fix"]).refusal();
+    assert!(stderr.contains("is an MCAP file that is no ROS bag"), "{stderr}");
     assert!(!stderr.contains("recording of `run`"), "{stderr}");
 }
 
@@ -150,14 +149,12 @@ fn a_capture_of_a_network_of_cables_does_not_ask_for_a_path() {
     let file = folder.path().join("cable.pcap");
     std::fs::write(&file, pcap(MICROSECONDS, ETHERNET, &[&[0; 60], &[0; 60]])).unwrap();
     let file = file.display().to_string();
-    let (code, _, stderr) = run(&["map", &file]);
-    assert_eq!(code, 2);
+    let stderr = run(&["map", &file]).refusal();
     assert!(
         stderr.contains("has frames of link type 1 (Ethernet), which do not say which node was heard"),
         "{stderr}"
     );
-    let (code, stdout, stderr) = run(&["inspect", &file]);
-    assert_eq!(code, 0, "{stderr}");
+    let stdout = run(&["inspect", &file]).printed();
     assert!(
         stdout.contains("a capture of 2 frames") && stdout.contains("link type 1 (Ethernet): 2 frames"),
         "{stdout}"
@@ -174,8 +171,7 @@ fn a_capture_without_a_path_has_contents() {
     let file = folder.path().join("sniff.pcap");
     std::fs::write(&file, octets).unwrap();
     let file = file.display().to_string();
-    let (code, stdout, stderr) = run(&["inspect", &file]);
-    assert_eq!(code, 0, "{stderr}");
+    let stdout = run(&["inspect", &file]).printed();
     for expected in [
         "a capture of 4 frames from 2023-11-14T22:13:20Z to 2023-11-14T22:13:23Z",
         "link type 230 (IEEE 802.15.4 without FCS): 4 frames",
@@ -185,13 +181,13 @@ fn a_capture_without_a_path_has_contents() {
     ] {
         assert!(stdout.contains(expected), "{stdout}\nshould say: {expected}");
     }
-    let (_, stdout, _) = run(&["inspect", &file, "--format", "json"]);
+    let stdout = run(&["inspect", &file, "--format", "json"]).printed();
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let senders = json["capture"]["senders"].as_array().unwrap();
     let found: Vec<_> =
         senders.iter().map(|at| (at["node"].as_str().unwrap(), at["frames"].as_u64().unwrap())).collect();
     assert_eq!(found, [("0x0001", 2), ("0x0002", 1)]);
-    let (_, stdout, _) = run(&["inspect", &kept("captures/tap.pcap").display().to_string()]);
+    let stdout = run(&["inspect", &kept("captures/tap.pcap").display().to_string()]).printed();
     assert!(stdout.contains("dBm") && stdout.contains("283 (IEEE 802.15.4 TAP)"), "{stdout}");
 }
 
@@ -204,30 +200,25 @@ fn ranges_are_not_taken_for_packets() {
     ];
     // By its name, or by its columns, whatever its name is.
     for folder in [folder(&files), folder(&[files[0], ("uwb.csv", files[1].1)])] {
-        let (code, stdout, stderr) = run(&["inspect", &folder.path().display().to_string()]);
-        assert_eq!(code, 0, "{stderr}");
+        let stdout = run(&["inspect", &folder.path().display().to_string()]).printed();
         assert!(stdout.contains("2 ranges to 1 node"), "{stdout}");
     }
     // Ranges alone are no log: they need places.
     let lonely = folder(&[files[1]]);
-    let (code, _, stderr) = run(&["map", &lonely.path().display().to_string()]);
+    let (code, _, stderr) = run(&["map", &lonely.path().display().to_string()]).all();
     assert!(code == 2 && stderr.contains("path=FILE") || stderr.contains("--path"), "{stderr}");
     // A log with packets has both.
     let whole = folder(&[files[0], files[1], ("packets.csv", "t_s,node,rssi_dbm\n1,lamp,-50\n5,lamp,-60\n")]);
-    let (code, stdout, stderr) = run(&["inspect", &whole.path().display().to_string()]);
-    assert_eq!(code, 0, "{stderr}");
+    let stdout = run(&["inspect", &whole.path().display().to_string()]).printed();
     assert!(stdout.contains("2 ranges to 1 node") && stdout.contains("2 named, 1 heard"), "{stdout}");
 }
 
 #[test]
 fn a_folder_without_a_log_says_what_it_has() {
     let folder = folder(&[("walk.gpx.gz", "\u{1f}"), ("photo.jpg", "x")]);
-    let (code, _, stderr) = run(&["map", &folder.path().display().to_string()]);
-    assert!(
-        code == 2 && stderr.contains("has no log") && stderr.contains("its other files: photo.jpg, walk.gpx.gz"),
-        "{stderr}"
-    );
+    let stderr = run(&["map", &folder.path().display().to_string()]).refusal();
+    assert!(stderr.contains("has no log") && stderr.contains("its other files: photo.jpg, walk.gpx.gz"), "{stderr}");
     let missing = Path::new("/nonexistent/log").display().to_string();
-    let (code, _, stderr) = run(&["map", &missing]);
-    assert!(code == 2 && stderr.contains("cannot read"), "{stderr}");
+    let stderr = run(&["map", &missing]).refusal();
+    assert!(stderr.contains("cannot read"), "{stderr}");
 }

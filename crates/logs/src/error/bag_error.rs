@@ -7,22 +7,9 @@ use sextant_recording::mcap_file::{Damage, McapFileError};
 /// Why a bag cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BagError {
-    /// The file or folder cannot be opened or read.
-    #[error("cannot read `{}`: {why}", .path.display())]
-    Read {
-        /// The file or folder.
-        path: PathBuf,
-        /// The system's answer.
-        why: String,
-    },
-    /// The file is of another format.
-    #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
-    NotMcap {
-        /// The file.
-        path: PathBuf,
-        /// What it is.
-        seen: String,
-    },
+    /// The file or folder cannot be read, or is of another format.
+    #[error(transparent)]
+    File(#[from] McapFileError),
     /// The bag is of ROS 1.
     #[error(
         "`{0}` is a bag of ROS 1; convert it first: `rosbags-convert --src {0} --dst NEW_FOLDER --dst-storage mcap` \
@@ -88,15 +75,6 @@ pub enum BagError {
 
 impl BagError {
     pub(crate) fn read(path: &Path, why: &std::io::Error) -> Self {
-        Self::Read { path: path.to_owned(), why: why.to_string() }
-    }
-}
-
-impl From<McapFileError> for BagError {
-    fn from(error: McapFileError) -> Self {
-        match error {
-            McapFileError::Read { path, why } => Self::Read { path, why },
-            McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
-        }
+        McapFileError::Read { path: path.to_owned(), why: why.to_string() }.into()
     }
 }

@@ -1,4 +1,4 @@
-//! What theory says of CSMA-CA: exact values of small cases, and a fixed point of independent stations.
+//! What theory says of CSMA-CA: exact values of small cases.
 //!
 //! All stations hear each other, frames that overlap are lost, and nothing else is lost. There are no acknowledgements.
 
@@ -165,63 +165,6 @@ fn nanos(span: Duration) -> i64 {
     i64::try_from(span.as_nanos()).unwrap_or(i64::MAX)
 }
 
-/// Saturated stations by slotted access, in the approximation of independent stations.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SaturatedSlotted {
-    /// Probability φ that a station makes its first assessment in a backoff period.
-    pub assessment_rate: f64,
-    /// Probability α that the first assessment finds the channel busy.
-    pub first_busy: f64,
-    /// Probability β that the second one does, after the first one found it idle.
-    pub second_busy: f64,
-    /// Share S of the time in which a frame is on air that is received.
-    pub throughput: f64,
-}
-
-/// Saturated `stations` by slotted access, with frames of `frame_periods` whole backoff periods and no spacing between them:
-/// the fixed point of independent stations, in the form of Pollin and others, "Performance analysis of slotted carrier
-/// sense IEEE 802.15.4 medium access layer" (IEEE Transactions on Wireless Communications, 2008).
-///
-/// With q the probability that another station assesses in a period, x that of a busy channel in either assessment, l the
-/// length of a frame and W_i the mean of the i-th backoff:
-/// φ = Σ x^i / (Σ x^i (W_i + 1 + 1 − α) + (1 − x^(m+1)) l), α = l q (1 − α)(1 − β), β = q / (2 − (1 − φ)^N),
-/// S = l N φ (1 − φ)^(N−1) (1 − α)(1 − β).
-///
-/// φ and α are within 4 % of a simulation of the same assumptions from 5 stations on; S is 7 to 26 % too high.
-#[must_use]
-pub fn saturated_slotted(stations: u32, frame_periods: u32, settings: &CsmaSettings) -> SaturatedSlotted {
-    let mut rate = 0.05;
-    // Half steps: the next rate falls with the rate, so that full steps may swing.
-    for _ in 0..200 {
-        rate = f64::midpoint(rate, at(rate, stations, frame_periods, settings).0);
-    }
-    at(rate, stations, frame_periods, settings).1
-}
-
-/// The next rate after `rate`, and what follows from `rate`.
-fn at(rate: f64, stations: u32, frame_periods: u32, settings: &CsmaSettings) -> (f64, SaturatedSlotted) {
-    let (n, l) = (f64::from(stations), f64::from(frame_periods));
-    let nobody_else = libm::pow(1.0 - rate, n - 1.0);
-    let q = 1.0 - nobody_else;
-    let beta = q / (2.0 - libm::pow(1.0 - rate, n));
-    let odds = l * q * (1.0 - beta);
-    let alpha = odds / (1.0 + odds);
-    let x = alpha + (1.0 - alpha) * beta;
-    let (mut attempts, mut time) = (0.0, 0.0);
-    let mut reached = 1.0;
-    for busy in 0..=settings.max_backoffs() {
-        let exponent = settings.min_be().saturating_add(busy).min(settings.max_be());
-        let backoff = f64::from((1_u32 << exponent) - 1) / 2.0;
-        attempts += reached;
-        time += reached * (backoff + 1.0 + (1.0 - alpha));
-        reached *= x;
-    }
-    time += (1.0 - reached) * l;
-    let throughput = l * n * rate * nobody_else * (1.0 - alpha) * (1.0 - beta);
-    let found = SaturatedSlotted { assessment_rate: rate, first_busy: alpha, second_busy: beta, throughput };
-    (attempts / time, found)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,37 +211,5 @@ mod tests {
     #[test]
     fn one_shot_probabilities_of_four_stations_are_those_of_an_enumeration_of_all_draws() {
         enumerated(&[(4, 20, 0.731_216_2, 8.60e-5), (4, 44, 0.770_527_5, 1.430e-3)]);
-    }
-
-    /// Values of the same equations, solved by another program.
-    #[test]
-    fn the_fixed_point_of_independent_stations_is_that_of_another_program() {
-        for (stations, frame, phi, alpha, beta, throughput) in [
-            (2, 7, 0.0825, 0.349, 0.071, 0.640),
-            (5, 7, 0.0792, 0.609, 0.210, 0.616),
-            (20, 7, 0.0785, 0.757, 0.437, 0.319),
-            (10, 12, 0.0749, 0.803, 0.327, 0.592),
-            (50, 12, 0.0768, 0.856, 0.495, 0.067),
-        ] {
-            let found = saturated_slotted(stations, frame, &CsmaSettings::default());
-            near(found.assessment_rate, phi, 6e-5);
-            near(found.first_busy, alpha, 6e-4);
-            near(found.second_busy, beta, 6e-4);
-            near(found.throughput, throughput, 6e-4);
-        }
-    }
-
-    /// A simulation of the same assumptions: φ and α of saturated stations with frames of 7 periods.
-    #[test]
-    fn the_fixed_point_is_near_a_simulation_of_its_assumptions() {
-        for (stations, phi, alpha, throughput) in
-            [(5, 0.0787, 0.609, 0.5386), (10, 0.0786, 0.703, 0.4617), (20, 0.0786, 0.748, 0.2851)]
-        {
-            let found = saturated_slotted(stations, 7, &CsmaSettings::default());
-            assert!((found.assessment_rate / phi - 1.0).abs() < 0.04);
-            assert!((found.first_busy / alpha - 1.0).abs() < 0.04);
-            let excess = found.throughput / throughput - 1.0;
-            assert!((0.07..0.26).contains(&excess), "{excess}");
-        }
     }
 }

@@ -11,8 +11,8 @@ use super::address::MacAddress;
 use super::alarm::Alarm;
 use super::backoff::{Backoff, Carrier};
 use super::frame::{BeamRefinement, MAX_BEACON_PAYLOAD_OCTETS, SectorFeedback, SweepBody, SweepFrame};
-use super::port::{Aim, Event, Radio};
-use super::sector::{SectorLayout, TxSector};
+use super::port::{Event, Radio};
+use super::sector::SectorLayout;
 use super::settings::SweepSettings;
 use super::timing::{
     AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME, duration_field, sweep_end,
@@ -230,14 +230,14 @@ impl Initiator {
                 None
             }
             (State::Sweeping(sweep, _), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 self.expect_answers(sweep, now, radio)
             }
             (State::Gathering(sweep, window), Event::TransmitReady | Event::WaitExpired) => {
                 self.watch(sweep, window, now, radio)
             }
             (State::Informing(sweep, window, responder), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 self.carrier.is_taken_until(now);
                 self.expect_report(sweep, window, responder, now, radio)
             }
@@ -245,7 +245,7 @@ impl Initiator {
             (State::AwaitingReport(sweep, window, _), Event::WaitExpired) => self.watch(sweep, window, now, radio),
             (State::AwaitingAnswer(sweep, until), Event::WaitExpired) => self.choose(sweep, until, now, radio),
             (State::Choosing(sweep), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 self.alarm.set(now, now + SSW_ACK_TIMEOUT, Event::WaitExpired, radio);
                 self.state = State::AwaitingAck(sweep);
                 None
@@ -300,7 +300,7 @@ impl Initiator {
         };
         let frame = SweepFrame { duration_us: 0, to, from: self.address, body };
         let duration_us = duration_field(self.layout.remaining_after(index, frame.airtime()));
-        transmit(SweepFrame { duration_us, ..frame }, sector, radio);
+        radio.transmit(SweepFrame { duration_us, ..frame }, sector);
         self.state = State::Sweeping(Sweep { frames: sweep.frames + 1, ..sweep }, index);
     }
 
@@ -358,7 +358,7 @@ impl Initiator {
         };
         let body = SweepBody::Feedback { feedback, refinement };
         let frame = SweepFrame { duration_us, to: answer.responder, from: self.address, body };
-        transmit(frame, answer.select, radio);
+        radio.transmit(frame, answer.select);
     }
 
     fn end(&mut self, sweep: Sweep, outcome: InitiatorOutcome) -> InitiatorReport {
@@ -370,15 +370,4 @@ impl Initiator {
 
 fn names(sweep: Sweep, station: MacAddress) -> bool {
     matches!(sweep.purpose, SweepPurpose::Train { responder, .. } if responder == station)
-}
-
-fn transmit(frame: SweepFrame, sector: TxSector, radio: &mut impl Radio) {
-    radio.aim(Aim::Sector(sector));
-    radio.enter(RadioState::Transmit);
-    radio.start_transmission(frame, frame.airtime());
-}
-
-fn listen(radio: &mut impl Radio) {
-    radio.aim(Aim::QuasiOmni);
-    radio.enter(RadioState::Receive);
 }

@@ -66,4 +66,17 @@ pub trait Radio {
 
     /// Puts the first bit of `frame` on the air; [`Event::TransmissionEnded`] is due `airtime` from now.
     fn start_transmission(&mut self, frame: SweepFrame, airtime: Duration);
+
+    /// Sends a frame on a sector of the antenna.
+    fn transmit(&mut self, frame: SweepFrame, sector: TxSector) {
+        self.aim(Aim::Sector(sector));
+        self.enter(RadioState::Transmit);
+        self.start_transmission(frame, frame.airtime());
+    }
+
+    /// Listens in all directions.
+    fn listen(&mut self) {
+        self.aim(Aim::QuasiOmni);
+        self.enter(RadioState::Receive);
+    }
 }

@@ -8,8 +8,8 @@ use super::address::MacAddress;
 use super::alarm::Alarm;
 use super::backoff::{Backoff, Carrier};
 use super::frame::{SectorFeedback, SectorMeasurement, SweepBody, SweepFrame};
-use super::port::{Aim, Event, Radio};
-use super::sector::{SectorLayout, TxSector};
+use super::port::{Event, Radio};
+use super::sector::SectorLayout;
 use super::settings::{AnswerSettings, Contention, SweepSettings};
 use super::snr_report::SnrReport;
 use super::timing::{MBIFS, SBIFS, SSW_AIRTIME, duration_field, sweep_end};
@@ -115,7 +115,7 @@ impl Responder {
         assert!(!self.is_transmitting(), "a frame is on the air");
         self.alarm.clear(radio);
         if matches!(self.state, State::Spacing(..)) {
-            listen(radio);
+            radio.listen();
         }
         self.state = State::Listening;
     }
@@ -196,7 +196,7 @@ impl Responder {
                 None
             }
             (State::Sweeping(answering, _), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 self.await_feedback(answering, now, radio)
             }
             (State::AwaitingFeedback(answering), Event::WaitExpired) => self.miss(answering, now, radio),
@@ -208,7 +208,7 @@ impl Responder {
                 None
             }
             (State::Acknowledging(answering, feedback), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 let is_new = self.acknowledged.replace(answering.heard) != Some(answering.heard);
                 let report = self.end(answering, ResponderOutcome::Trained(feedback));
                 is_new.then_some(report)
@@ -218,7 +218,7 @@ impl Responder {
                 None
             }
             (State::Reporting(answering, feedback), Event::TransmissionEnded) => {
-                listen(radio);
+                radio.listen();
                 Some(self.end(answering, ResponderOutcome::Trained(feedback)))
             }
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
@@ -345,29 +345,15 @@ impl Responder {
         }
         let cdown = self.layout.total() - 1 - index;
         let body = SweepBody::Rss { cdown, sector, feedback: choice(answering.heard) };
-        self.transmit(
-            SweepFrame { duration_us: duration_field(taken), to: initiator, from: self.address, body },
-            sector,
-            radio,
-        );
+        let duration_us = duration_field(taken);
+        radio.transmit(SweepFrame { duration_us, to: initiator, from: self.address, body }, sector);
         self.state = State::Sweeping(answering, index);
-    }
-
-    fn transmit(&self, frame: SweepFrame, sector: TxSector, radio: &mut impl Radio) {
-        radio.aim(Aim::Sector(sector));
-        radio.enter(RadioState::Transmit);
-        radio.start_transmission(frame, frame.airtime());
     }
 
     fn end(&mut self, answering: Answering, outcome: ResponderOutcome) -> ResponderReport {
         self.state = State::Listening;
         ResponderReport::Answered { heard: answering.heard, outcome, sweeps: answering.sweeps }
     }
-}
-
-fn listen(radio: &mut impl Radio) {
-    radio.aim(Aim::QuasiOmni);
-    radio.enter(RadioState::Receive);
 }
 
 /// The choice of a sector of the initiator.

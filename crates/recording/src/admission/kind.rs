@@ -247,6 +247,7 @@ mod tests {
             (OutputKind::Path, b"t_s,robot,x_m,y_m,z_m,cov_xx_m2,cov_xy_m2,cov_yy_m2,turn_rad\n".to_vec()),
             (OutputKind::Path, TUM_PATH.as_bytes().to_vec()),
             (OutputKind::Capture, capture(&[5, 0, 0, 0])),
+            (OutputKind::Picture, b"\x89PNG\r\n\x1a\n\0\0\0\x10tEXtSoftware\0sextant".to_vec()),
             (OutputKind::Text(b"same"), b"same".to_vec()),
         ] {
             std::fs::write(&path, content).unwrap();

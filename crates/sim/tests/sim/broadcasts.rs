@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, Db, LogDistanceConfig, PathLossConfig, Position};
+use sextant_channel::{Db, Position};
 use sextant_kernel::{Files, SimTime, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{SweepBody, SweepConfig, SweepFrame, beacon_payload};
@@ -32,12 +32,6 @@ const OMNIDIRECTIONAL: &str = "nodes.omnidirectional = {}\nrobots.omnidirectiona
 
 /// A network in which 0 dBi reach 7 m, without shadowing; overlapping frames are lost.
 pub(crate) fn link(antennas: &str) -> Network {
-    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
-    let channel = ChannelConfig {
-        environment: None,
-        path_loss: Some(PathLossConfig::LogDistance(law)),
-        ..ChannelConfig::default()
-    };
     let radio = RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
     let radio = DmgRadio::try_from(radio).expect("good levels");
     let sweep = SweepConfig::default().try_into().expect("good settings");
@@ -45,7 +39,7 @@ pub(crate) fn link(antennas: &str) -> Network {
         Antennas::read(&toml::from_str(antennas).expect("antennas"), &Files::default()).expect("good antennas");
     let links = Ieee80211ad::new(radio, ReceptionModel::Overlap, sweep, antennas).expect("sectors that fit");
     Network::of(
-        channel.try_into().expect("a good channel"),
+        network::free_space().try_into().expect("a good channel"),
         Technology::Ieee80211ad(Box::new(links)),
         RadioStates::mmwave_60_ghz(),
         TrafficPlan::silent(0),

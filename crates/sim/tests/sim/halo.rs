@@ -4,7 +4,7 @@ mod counts;
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, Environment, HeardAtStop, Position, Stop};
+use sextant_channel::{HeardAtStop, Position, Stop};
 use sextant_kernel::SimTime;
 use sextant_sim::{
     AllSimulated, DeathsConfig, FaultsConfig, NetworkId, Observer, OnceConfig, PeriodicConfig, PoissonConfig,
@@ -35,12 +35,7 @@ fn field(side: usize, corner: [f64; 2]) -> Vec<Position> {
 
 /// Nodes at `places`, and a robot that listens at each of `stops`.
 fn setup(places: &[Position], stops: Vec<Position>, traffic: TrafficConfig, seed: u64) -> Setup {
-    let channel = ChannelConfig {
-        environment: Some(Environment::Suburban),
-        max_range_m: Some(RANGE_M),
-        ..ChannelConfig::default()
-    };
-    let setup = network::setup(places, -50.0, channel, traffic, seed);
+    let setup = network::setup(places, -50.0, network::suburb(RANGE_M), traffic, seed);
     let setup =
         network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
     Setup { robots: vec![network::tour(stops, 0.25, Duration::from_secs(1))], ..setup }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
+use sextant_channel::Position;
 use sextant_kernel::Seed;
 use sextant_sim::{
     InterfererConfig, NodesOfGroup, Packets, PoissonConfig, Radio, RadioConfig, RadioGroupConfig, ReceptionModel,
@@ -15,14 +15,8 @@ use crate::network;
 fn setup() -> Setup {
     let config = PoissonConfig { mpdu_octets: 50, rate_per_s: 5.0, acknowledged: false, to: None };
     let traffic = TrafficConfig::Poisson(config);
-    // 0 dBm at one metre, 6 dB less at each doubling, no shadowing.
-    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
-    let channel = ChannelConfig {
-        environment: None,
-        path_loss: Some(PathLossConfig::LogDistance(law)),
-        ..ChannelConfig::default()
-    };
-    let mut setup = network::setup(&network::cluster(3), 0.0, channel, traffic, 1);
+    // 0 dBm at one metre.
+    let mut setup = network::setup(&network::cluster(3), 0.0, network::free_space(), traffic, 1);
     setup.sinks = vec![Sink { name: "sink".into(), position: Position::new(0.0, 0.0, 0.0), networks: None }];
     setup.duration = Some(Duration::from_secs(20));
     setup

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
+use sextant_channel::{ChannelConfig, Environment, LogDistanceConfig, PathLossConfig, Position};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
@@ -147,16 +147,21 @@ pub(crate) fn prompt() -> CsmaConfig {
     CsmaConfig { min_be: 0, rx_on_when_idle: true, ..CsmaConfig::default() }
 }
 
+/// Free space: 6 dB less at each doubling of the distance, without shadowing.
+pub(crate) fn free_space() -> ChannelConfig {
+    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
+    ChannelConfig { environment: None, path_loss: Some(PathLossConfig::LogDistance(law)), ..ChannelConfig::default() }
+}
+
+/// A suburban area in which stations hear each other up to `range_m`.
+pub(crate) fn suburb(range_m: f64) -> ChannelConfig {
+    ChannelConfig { environment: Some(Environment::Suburban), max_range_m: Some(range_m), ..ChannelConfig::default() }
+}
+
 /// A network in which stations within `range_m` of each other hear each other, without shadowing, and others do not.
 /// Overlapping frames are lost. Its nodes send nothing by themselves.
 pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
-    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
-    let channel = ChannelConfig {
-        environment: None,
-        path_loss: Some(PathLossConfig::LogDistance(law)),
-        max_range_m: Some(range_m),
-        ..ChannelConfig::default()
-    };
+    let channel = ChannelConfig { max_range_m: Some(range_m), ..free_space() };
     Network::of(
         channel.try_into().expect("good settings"),
         Technology::Ieee802154(Ieee802154 {

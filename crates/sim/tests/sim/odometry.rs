@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{
-    BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig,
-};
+use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{Files, SimTime};
 use sextant_sim::{
     CommandOutcome, Controller, Ending, Observer, Odometry, OdometryConfig, PeriodicConfig, Pose, Robot, RobotBody,
@@ -38,15 +36,10 @@ impl Trace {
 
 fn setup(robot: Robot, odometry: OdometryConfig, seed: u64) -> Setup {
     let places: Vec<_> = (0..25).map(|i| Position::new(f64::from(i % 5), f64::from(i / 5), 0.0)).collect();
-    let channel = ChannelConfig {
-        environment: Some(Environment::Suburban),
-        max_range_m: Some(5.0),
-        ..ChannelConfig::default()
-    };
     let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let odometry = Odometry::try_from(odometry).expect("good settings");
     let robot = Robot { body: RobotBody { odometry, ..robot.body }, ..robot };
-    Setup { robots: vec![robot], ..network::setup(&places, -30.0, channel, traffic, seed) }
+    Setup { robots: vec![robot], ..network::setup(&places, -30.0, network::suburb(5.0), traffic, seed) }
 }
 
 fn survey(setup: Setup) -> (Survey, Trace) {

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
+use sextant_channel::Position;
 use sextant_kernel::Seed;
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
@@ -23,13 +23,7 @@ impl Observer for Watcher {
 }
 
 fn star(nodes: usize, traffic: TrafficConfig, csma: CsmaConfig, clock_ppm: f64) -> Setup {
-    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
-    let channel = ChannelConfig {
-        environment: None,
-        path_loss: Some(PathLossConfig::LogDistance(law)),
-        ..ChannelConfig::default()
-    };
-    let mut setup = network::setup(&network::cluster(nodes), 0.0, channel, traffic, 3);
+    let mut setup = network::setup(&network::cluster(nodes), 0.0, network::free_space(), traffic, 3);
     setup.sinks = vec![Sink { name: "sink".into(), position: Position::ORIGIN, networks: None }];
     setup.duration = Some(Duration::from_secs(4));
     let link = network::ieee802154(&mut setup.networks[0]);

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use sextant_channel::{
-    BoxConfig, ChannelConfig, Environment, IdealExchangeConfig, Obstacle, ObstacleConfig, ObstacleField, Position,
-    RangeExchangeConfig, RangingDevice, RangingDeviceConfig, ShapeConfig,
+    BoxConfig, IdealExchangeConfig, Obstacle, ObstacleConfig, ObstacleField, Position, RangeExchangeConfig,
+    RangingDevice, RangingDeviceConfig, ShapeConfig,
 };
 use sextant_kernel::NodeId;
 use sextant_sim::{
@@ -25,16 +25,11 @@ fn ideal(interval_s: f64) -> RangeExchangeConfig {
 /// Twenty-five nodes in a square, and a robot that drives round it twice with such a device.
 fn setup(device: RangingDeviceConfig, listening: Listening) -> Setup {
     let places: Vec<_> = (0..25).map(|i| Position::new(f64::from(i % 5), f64::from(i / 5), 0.0)).collect();
-    let channel = ChannelConfig {
-        environment: Some(Environment::Suburban),
-        max_range_m: Some(5.0),
-        ..ChannelConfig::default()
-    };
     let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
     let corners = [[4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 0.0]].map(Position::from);
     let robot = network::tour([corners, corners].concat(), 0.25, Duration::from_secs(1));
     let robot = Robot { body: RobotBody { listening, ..robot.body }, ..robot };
-    let setup = Setup { robots: vec![robot], ..network::setup(&places, -30.0, channel, traffic, 3) };
+    let setup = Setup { robots: vec![robot], ..network::setup(&places, -30.0, network::suburb(5.0), traffic, 3) };
     network::with(setup, |network| network.ranging = Some(RangingDevice::try_from(device).expect("good settings")))
 }
 

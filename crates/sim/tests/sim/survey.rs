@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{
-    BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
+    BoxConfig, ChannelConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
 };
 use sextant_kernel::{Files, NodeId, SimTime};
 use sextant_sim::{
@@ -20,13 +20,8 @@ fn tour(places: Vec<Position>, listen: Duration) -> Robot {
 }
 
 fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
-    let channel = ChannelConfig {
-        environment: Some(Environment::Suburban),
-        max_range_m: Some(10.0),
-        ..ChannelConfig::default()
-    };
     let traffic = TrafficConfig::Beacon(PeriodicConfig::each(20, 0.5, 0.1));
-    let setup = network::setup(places, -50.0, channel, traffic, seed);
+    let setup = network::setup(places, -50.0, network::suburb(10.0), traffic, seed);
     let setup =
         network::with(setup, |network| network::receive_by(network, ReceptionModel::SinrThreshold { least: 2.0 }));
     Setup { robots: vec![robot], ..setup }

@@ -3,8 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{
-    AntennaConfig, ChannelConfig, LogDistanceConfig, Obstacle, ObstacleConfig, ObstacleField, OrientationConfig,
-    PathLossConfig, Position, Reception,
+    AntennaConfig, ChannelConfig, Obstacle, ObstacleConfig, ObstacleField, OrientationConfig, Position, Reception,
 };
 use sextant_kernel::{Files, NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
@@ -57,14 +56,8 @@ impl Scene {
             node_tilts_deg: vec![0.0],
             misalignment_loss: 0.0,
         };
-        let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
-        let channel = ChannelConfig {
-            environment: None,
-            path_loss: Some(PathLossConfig::LogDistance(law)),
-            ..ChannelConfig::default()
-        };
         let network = Network::of(
-            channel.try_into().expect("a good channel"),
+            network::free_space().try_into().expect("a good channel"),
             self.technology(&antennas),
             RadioStates::mmwave_60_ghz(),
             TrafficPlan::silent(self.places.len()),

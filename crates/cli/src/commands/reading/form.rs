@@ -69,35 +69,20 @@ pub(crate) struct FormFlags {
 
 impl From<FormFlags> for FormOptions {
     fn from(flags: FormFlags) -> Self {
-        let FormFlags {
-            path,
-            packets,
-            packet_fields,
-            path_fields,
-            range_fields,
-            stop_files,
-            time_zone,
-            missing,
-            node_columns,
-            reciprocal,
-            transmitter,
-            noise_floor,
-            lora,
-        } = flags;
         Self {
-            path,
-            packets,
-            packet_fields,
-            path_fields,
-            range_fields,
-            stop_files,
-            time_zone,
-            missing,
-            node_columns,
-            reciprocal,
-            transmitter,
-            noise_floor,
-            lora,
+            path: flags.path,
+            packets: flags.packets,
+            packet_fields: flags.packet_fields,
+            path_fields: flags.path_fields,
+            range_fields: flags.range_fields,
+            stop_files: flags.stop_files,
+            time_zone: flags.time_zone,
+            missing: flags.missing,
+            node_columns: flags.node_columns,
+            reciprocal: flags.reciprocal,
+            transmitter: flags.transmitter,
+            noise_floor: flags.noise_floor,
+            lora: flags.lora,
         }
     }
 }

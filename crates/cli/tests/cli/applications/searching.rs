@@ -5,7 +5,7 @@ use std::fs;
 use sextant_recording::read_world;
 
 use super::{AGENT, NODES, topics};
-use crate::program::{Said, number, run_text, sextant};
+use crate::program::{Said, call, number, run_text, sextant, table};
 
 const TARGET: &str = r#"
 [[world.targets]]
@@ -87,12 +87,8 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
     let (_, captured) = measures.iter().find(|(name, _)| name.ends_with("detarsk.captured")).unwrap();
     assert!((number(&captured["interval_95"][0]) - 0.025_f64.sqrt()).abs() < 1e-6, "{captured}");
     assert_eq!((&captured["interval_95"][1], captured.get("half_width_95")), (&1.0.into(), None));
-    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
-    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
-    let value = |name: &str| {
-        let column = rows[0].iter().position(|other| *other == format!("applications.{name}"))?;
-        rows[1][column].parse::<f64>().ok()
-    };
+    let rows = table(&folder.path().join("t.csv"));
+    let value = |name: &str| rows[0].get(&format!("applications.{name}"))?.parse::<f64>().ok();
     let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
         let captured_s = number(&summary["applications"][i]["time_s"]);
@@ -125,7 +121,7 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
 #[test]
 fn figures_show_ways_and_the_capture() {
     let (folder, _) = run_text(&searching(), &[]);
-    sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap().printed();
+    call(folder.path(), &["figure", "run.mcap", "--out", "f"]).printed();
     let figure = |name: &str| fs::read_to_string(folder.path().join("f").join(name)).unwrap();
     let picture = figure("application-detarsk.svg");
     for text in ["way of hare", "path of hunter", "capture", "1 of 1 target captured"] {
@@ -152,9 +148,7 @@ fn a_search_with_false_alarms_captures_and_counts_them() {
     }
     // The recording has what nodes said, true or not.
     assert!(topics(&folder)["/sensed"] as f64 > said);
-    let table = String::from_utf8(
-        sextant().current_dir(folder.path()).args(["run", "a.toml", "--force"]).output().unwrap().stdout,
-    );
+    let table = String::from_utf8(call(folder.path(), &["run", "a.toml", "--force"]).stdout);
     assert!(table.unwrap().contains("missed and"));
 }
 

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use super::packet::{self, Packet};
 #[cfg(unix)]
 use crate::program::signal;
-use crate::program::{scenario, sextant};
+use crate::program::{Said, scenario, sextant};
 
 /// Runs the smoke scenario in `folder`, with a capture `a.pcap`.
 pub(crate) fn run(folder: &Path, words: &[&str]) -> Output {
@@ -57,8 +57,7 @@ fn all_frames_are_captured_in_the_order_of_their_ends() {
 #[test]
 fn the_capture_of_the_shipped_superframes_has_the_beacons_that_begin_them() {
     let folder = TempDir::new().unwrap();
-    let output = run_scenario("mac/beacon-enabled.toml", folder.path(), &["--set", "maps=[]"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run_scenario("mac/beacon-enabled.toml", folder.path(), &["--set", "maps=[]"]).printed();
     let packets = packet::read(&std::fs::read(folder.path().join("a.pcap")).unwrap());
     // The frame type is in the lowest three bits: 0 for beacons, 1 for data.
     let of_type = |kind: u8| packets.iter().filter(|packet| packet.mpdu[0] & 7 == kind).count();
@@ -155,9 +154,7 @@ fn a_shared_output_an_invalid_channel_and_an_unknown_robot_are_rejected() {
         (&["--set", "recording.pcap.robot=nobody"], "the name of a robot"),
     ] {
         let folder = TempDir::new().unwrap();
-        let output = run(folder.path(), words);
-        let error = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{error}");
+        let error = run(folder.path(), words).refusal();
         assert!(error.contains(expected), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{words:?} leaves nothing behind");
     }

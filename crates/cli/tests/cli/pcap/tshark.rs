@@ -5,6 +5,7 @@ use std::process::Command;
 
 use super::packet;
 use super::run::{run, run_scenario};
+use crate::program::Said;
 
 /// Environment variable with the name of the program tshark. If it is set, tshark must exist.
 const VARIABLE: &str = "SEXTANT_TSHARK";
@@ -30,9 +31,7 @@ pub(crate) fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) ->
     for field in fields {
         command.args(["-e", field]);
     }
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = command.output().unwrap().printed();
     text.lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect()
 }
 
@@ -40,8 +39,7 @@ pub(crate) fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) ->
 fn agrees(words: &[&str]) {
     let Some(program) = tshark() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let output = run(folder.path(), words);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run(folder.path(), words).printed();
     let file = folder.path().join("a.pcap");
     let packets = packet::read(&std::fs::read(&file).unwrap());
     let fields = [
@@ -100,8 +98,7 @@ fn tshark_decodes_beacons_and_their_superframes() {
     let Some(program) = tshark() else { return };
     let folder = tempfile::tempdir().unwrap();
     let words = ["--set", "maps=[]"];
-    let output = run_scenario("mac/beacon-enabled.toml", folder.path(), &words);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run_scenario("mac/beacon-enabled.toml", folder.path(), &words).printed();
     let fields = [
         "wpan.frame_type",
         "wpan.fcs_ok",

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sextant_channel::{Reception, ReceptionLog, Stop};
 use sextant_kernel::Unwatched;
+use sextant_recording::mcap_file::McapFileError;
 use sextant_recording::{FileRecorder, RecordingError, TablePiece, inspect, read_log, read_tables, recover};
 use tempfile::TempDir;
 
@@ -190,7 +191,7 @@ fn flipped_bits_are_detected_and_all_else_is_recovered() {
                     assert_part(&good, &log);
                 }
             }
-            Err(RecordingError::NotMcap { .. }) => found += 1,
+            Err(RecordingError::File(McapFileError::NotMcap { .. })) => found += 1,
             Err(other) => panic!("{other}"),
         }
     }
@@ -256,14 +257,14 @@ fn files_of_other_formats_are_rejected_and_no_file_is_created() {
     let other = folder.path().join("other.mcap");
     std::fs::write(&other, "stop,t_s,x_m,y_m\n").unwrap();
     let out = folder.path().join("out.mcap");
-    assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(recover(&other, &out, &Unwatched), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(inspect(&other), Err(RecordingError::File(McapFileError::NotMcap { .. }))));
+    assert!(matches!(read_log(&other), Err(RecordingError::File(McapFileError::NotMcap { .. }))));
+    assert!(matches!(recover(&other, &out, &Unwatched), Err(RecordingError::File(McapFileError::NotMcap { .. }))));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let missing = folder.path().join("missing.mcap");
-    assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
-    assert!(matches!(recover(&missing, &out, &Unwatched), Err(RecordingError::Read { .. })));
-    assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
+    assert!(matches!(read_log(&missing), Err(RecordingError::File(McapFileError::Read { .. }))));
+    assert!(matches!(recover(&missing, &out, &Unwatched), Err(RecordingError::File(McapFileError::Read { .. }))));
+    assert!(matches!(inspect(folder.path()), Err(RecordingError::File(McapFileError::Read { .. }))));
 }
 
 #[test]

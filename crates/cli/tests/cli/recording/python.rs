@@ -10,7 +10,7 @@ use sextant_kernel::RobotId;
 use sextant_recording::PlacedNode;
 
 use super::sample;
-use crate::program;
+use crate::program::{self, Said};
 
 const PACKAGES: &str = "mcap mcap-protobuf-support";
 
@@ -146,9 +146,7 @@ fn independent_readers_decode_every_message() {
     std::fs::write(&expected, expectation.to_string()).unwrap();
 
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/python/check_recording.py");
-    let output = python(&[&script, &path, &expected].map(|path| path.to_str().unwrap())).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = python(&[&script, &path, &expected].map(|path| path.to_str().unwrap())).unwrap().json();
     assert!(found["chunks"].as_u64().unwrap() >= 120 / 32, "chunks are closed by count");
 }
 
@@ -173,13 +171,10 @@ fn a_recording_plays_and_its_drawings_say_the_same_as_its_log() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/python/check_playing.py");
     let [recording, layout, blueprint] =
         ["run.mcap", "run.foxglove.json", "run.rerun.py"].map(|name| folder.path().join(name));
-    let output = python(&[&script, &recording, &layout].map(|path| path.to_str().unwrap())).unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let counts: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let counts = python(&[&script, &recording, &layout].map(|path| path.to_str().unwrap())).unwrap().json();
     let is_drawn = |what: &str| counts[what].as_u64().is_some_and(|count| count > 0);
     assert!(["robots", "legs", "heard", "names"].into_iter().all(is_drawn), "{counts}");
     let maps = counts["maps"].as_object().unwrap();
     assert!(!maps.is_empty() && maps.values().all(|count| *count == 4), "{counts}");
-    let compiled = python(&["-m", "py_compile", blueprint.to_str().unwrap()]).unwrap();
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    python(&["-m", "py_compile", blueprint.to_str().unwrap()]).unwrap().printed();
 }

@@ -63,6 +63,7 @@ fn numbers_that_nobody_can_mean_are_refused_at_their_key() {
         ("robots.0.speed_m_per_s=1e-300", "1e-9 to 1e9 m/s"),
         ("robots.0.speed_m_per_s=1e300", "1e-9 to 1e9 m/s"),
         ("robots.0.start_m=[0,1e300]", "1e-9 to 1e9 m"),
+        ("robots.0.start_m=[1e9,0]", "of a node"),
         ("channel.max_range_m=1e300", "1e-9 to 1e9 m"),
         ("robots.0.controller={waypoints={places_m=[[0,0],[1e300,0]]}}", "1e-9 to 1e9 m"),
         ("sinks=[{name=\"s\",position_m=[1e300,0]}]", "1e-9 to 1e9 m"),

@@ -99,7 +99,6 @@ fn outputs_of_this_program_are_replaced_and_told() {
         ("map a.mcap --out map.csv", "map.csv", "an earlier map"),
         ("report a.mcap --out a.html", "a.html", "an earlier report"),
         ("figure a.mcap --out pictures", "pictures/network.svg", "an earlier picture"),
-        ("figure a.mcap --out pictures --format png", "pictures/network.png", "an earlier picture"),
     ] {
         bench.done(line);
         let said = bench.done(line);
@@ -144,6 +143,7 @@ fn an_output_without_a_place_is_refused_before_the_work() {
     let bench = Bench::recorded();
     std::fs::create_dir(bench.path("folder")).unwrap();
     for (line, why) in [
+        ("run a.toml --out a.toml/b.mcap", "there is no folder `a.toml`"),
         ("run a.toml --out b.mcap --summary folder", "it is a folder"),
         ("run a.toml --out b.mcap --summary no/b.json", "there is no folder `no`"),
         ("run a.toml --out b.mcap --summary no/../b.json", "there is no folder `no/..`"),
@@ -188,6 +188,8 @@ fn nothing_is_added_to_a_plan() {
 fn a_pipe_that_no_process_reads_does_not_hold_the_program() {
     let bench = Bench::recorded();
     std::process::Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap();
+    let said = bench.refused("run a.toml --out pipe");
+    assert!(said.contains("a device or a pipe") && !bench.path("pipe").is_file(), "{said}");
     let output = bench.run("run a.toml --out b.mcap --summary pipe --quiet");
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{said}");

@@ -4,6 +4,8 @@ use std::process::{Child, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use sextant_recording::inspect;
+
 use super::Bench;
 use crate::program::sextant;
 
@@ -51,18 +53,22 @@ fn what_a_killed_run_left_is_kept_and_can_be_recovered() {
     let bench = Bench::new();
     for number in 1..=2 {
         let mut child = start(&bench, number, 0.005);
-        while std::fs::metadata(bench.path("a.mcap.part")).map_or(0, |part| part.len()) < 10_000 {
+        while std::fs::metadata(bench.path("a.mcap.part")).map_or(0, |part| part.len()) < 500_000 {
             assert!(child.try_wait().unwrap().is_none(), "the run is too short to be killed");
             thread::sleep(Duration::from_millis(1));
         }
         child.kill().unwrap();
         child.wait().unwrap();
+        assert!(number > 1 || !bench.path("a.mcap").exists(), "a killed run must not look finished");
         let left = bench.read("a.mcap.part");
         let kept = format!("a.mcap.part.{number}");
         let said = bench.done("run a.toml --out a.mcap");
         assert!(said.contains(&format!("it is kept as `{kept}`")), "{said}");
         assert_eq!(bench.read(&kept), left);
-        bench.done(&format!("recover {kept} --out recovered-{number}.mcap"));
+        let good = format!("recovered-{number}.mcap");
+        bench.done(&format!("recover {kept} --out {good}"));
+        let inspection = inspect(&bench.path(&good)).unwrap();
+        assert!(inspection.damage.is_none() && inspection.to_string().contains("/mac/frames"), "{inspection}");
         assert!(!bench.path("a.mcap.part").exists());
     }
 }

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
+use super::super::port::Aim;
 use super::super::script::{OTHER, ROBOT, SENSOR, Script, at, iss, layout, rss, us};
-use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, Responder, SnrReport, SweepConfig};
+use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, Responder, SnrReport, SweepConfig, TxSector};
 use super::*;
 use crate::Class;
 

@@ -77,7 +77,7 @@ impl Responder {
     pub(super) fn acknowledge(&mut self, answering: Answering, feedback: SectorFeedback, radio: &mut impl Radio) {
         let body = SweepBody::Ack { feedback: choice(answering.heard), refinement: BeamRefinement::default() };
         let frame = SweepFrame { duration_us: 0, to: answering.heard.initiator, from: self.address, body };
-        self.transmit(frame, feedback.select, radio);
+        radio.transmit(frame, feedback.select);
         self.state = State::Acknowledging(answering, feedback);
     }
 

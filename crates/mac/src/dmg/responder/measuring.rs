@@ -46,7 +46,7 @@ impl Responder {
         let measurements = u8::try_from(self.measurements.len()).expect("at most 127");
         let body = SweepBody::Brp { measurements };
         let frame = SweepFrame { duration_us: 0, to: answering.heard.initiator, from: self.address, body };
-        self.transmit(frame, feedback.select, radio);
+        radio.transmit(frame, feedback.select);
         self.state = State::Reporting(answering, feedback);
     }
 }

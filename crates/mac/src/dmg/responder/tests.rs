@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use super::super::frame::BeamRefinement;
+use super::super::port::Aim;
 use super::super::script::{OTHER, ROBOT, SENSOR, Script, at, iss, layout, rss, us};
-use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, SweepConfig};
+use super::super::{AbftConfig, ContentionConfig, CsmaFeedbackConfig, SweepConfig, TxSector};
 use super::*;
 use crate::Class;
 

@@ -6,7 +6,7 @@ mod time_difference;
 mod triangulation;
 
 pub use angulation::{Bearing, MeasuredAngle, angulate};
-pub use multilateration::{Range, multilaterate, multilaterate_linear, refine, trilaterate};
+pub use multilateration::{Range, multilaterate, multilaterate_linear, refine};
 pub use time_difference::{differences_tell_distance, locate_by_differences};
 pub use triangulation::triangulate;
 

@@ -30,16 +30,6 @@ impl Range {
     }
 }
 
-/// The place in the plane at the given distances from three anchors: the solution of `P X = Q` (Gunathillake 2018,
-/// eq. A.2). The height is that of the first anchor.
-///
-/// # Errors
-/// If the anchors lie on one line, or a number is not finite.
-pub fn trilaterate(anchors: [Position; 3], distances_m: [f64; 3]) -> Result<Position, LaterationError> {
-    let ranges: Vec<Range> = anchors.iter().zip(distances_m).map(|(&anchor, d)| Range::new(anchor, d)).collect();
-    multilaterate_linear(&ranges, 2)
-}
-
 /// The place in two or three `dimensions` that fits the distances by linear least squares: the equations
 /// `|x − a_i|² = d_i²` minus the last one, `X = (PᵀP)⁻¹ PᵀQ` (Gunathillake 2018, appendix A). Weights are not used.
 /// In two dimensions the height is that of the first anchor, and distances are those in the plane.
@@ -183,7 +173,7 @@ mod tests {
             }
         }
         let anchors = [Position::ORIGIN, Position::new(4.0, 0.0, 0.0), Position::new(0.0, 3.0, 0.0)];
-        let middle = trilaterate(anchors, [2.5; 3]).unwrap();
+        let middle = multilaterate_linear(&anchors.map(|anchor| Range::new(anchor, 2.5)), 2).unwrap();
         assert!(middle.distance_m(Position::new(2.0, 1.5, 0.0)) < 1e-12);
     }
 
@@ -222,6 +212,8 @@ mod tests {
         assert_eq!(multilaterate(&two, 2), Err(LaterationError::TooFew { found: 2, dimensions: 2 }));
         assert_eq!(multilaterate(&[], 3), Err(LaterationError::TooFew { found: 0, dimensions: 3 }));
         let anchors = [Position::ORIGIN, Position::new(1.0, 0.0, 0.0), Position::new(0.0, 1.0, 0.0)];
-        assert_eq!(trilaterate(anchors, [1.0, f64::NAN, 1.0]), Err(LaterationError::NotFinite));
+        let unknown = [1.0, f64::NAN, 1.0];
+        let ranges: Vec<_> = anchors.into_iter().zip(unknown).map(|(at, range_m)| Range::new(at, range_m)).collect();
+        assert_eq!(multilaterate_linear(&ranges, 2), Err(LaterationError::NotFinite));
     }
 }
