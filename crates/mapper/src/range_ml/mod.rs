@@ -132,8 +132,12 @@ impl RangeMl {
         let found = self.map_at(log, heights, FarOff::default(), watch)?;
         let (Some(fit), Some(usual_m)) = (&found.1, found.2) else { return Ok((found.0, found.1)) };
         // What is wrong by far more than usual is found first, and what is left of it then.
-        let groups = RangeGroups::of(log, |count| count >= heights.least());
-        let offset_m = offset::offset_m(&self.settings, &groups, heights, watch)?.unwrap_or_default();
+        let offset_m = if fit.bias_is_assumed || fit.is_beyond_prior || fit.is_odd(usual_m) {
+            let groups = RangeGroups::of(log, |count| count >= heights.least());
+            offset::offset_m(&self.settings, &groups, heights, watch)?.unwrap_or_default()
+        } else {
+            0.0
+        };
         let late_s = if late::is_suspect(fit, usual_m) {
             let shorter = less(log, offset_m);
             late::delay_s(&self.settings, &shorter, heights, watch)?.unwrap_or_default()

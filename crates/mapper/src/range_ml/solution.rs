@@ -30,8 +30,6 @@ const SHARES_OF_ERROR: [f64; 3] = [1.0 / 30.0, 1.0 / 6.0, 1.0];
 const TOLD: f64 = 0.135;
 /// Of many ranges, the bias is told if its standard deviation is at most this share of what was thought possible: then it is estimated.
 const NARROWED: f64 = 0.27;
-/// A bias of so many of its standard deviations is not none.
-const FAR_FROM_NONE: f64 = 4.0;
 /// What is less probable than the best by so much is not tried (nats).
 const HOPELESS: f64 = 10.0;
 /// While places are sought, biases of nodes have this standard deviation (m): first wide, because the law is not known.
@@ -169,15 +167,6 @@ impl Trial {
     }
 }
 
-/// Whether ranges tell their bias, so that it matters no more what was thought before: it is far from none, or very well known.
-fn is_told(trial: &Trial, prior: &SharedPrior) -> bool {
-    let deviation_m = trial.fitted.bias_deviation_m();
-    let of_none = deviation_m * FAR_FROM_NONE;
-    deviation_m <= NARROWED * prior.deviation[BIAS]
-        && (trial.fitted.point.bias_m().abs() > of_none
-            || deviation_m <= NARROWED * SHARES_OF_ERROR[0] * prior.deviation[BIAS])
-}
-
 /// The trials whose errors are the least that the log does not rule out: first by bias, then by scale.
 fn plainest(trials: &[Trial]) -> Vec<&Trial> {
     let of_bias = least(trials.iter().collect(), |trial| trial.error.bias);
@@ -285,8 +274,8 @@ impl Search<'_> {
                     break;
                 }
             }
-            if error == ErrorShares::ALL && !are_few && likeliest(&trials).is_some_and(|trial| is_told(trial, &prior))
-            {
+            let is_told = |trial: &Trial| trial.fitted.bias_deviation_m() <= NARROWED * prior.deviation[BIAS];
+            if error == ErrorShares::ALL && !are_few && likeliest(&trials).is_some_and(is_told) {
                 break;
             }
         }
