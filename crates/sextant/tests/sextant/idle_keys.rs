@@ -27,7 +27,7 @@ fn warned(scenario: &Scenario) -> Vec<String> {
 /// All that a run finds.
 fn result(scenario: &Scenario) -> String {
     let mut summary =
-        serde_json::to_value(sextant::run(scenario, &mut (), &Unwatched).expect("a run").summary()).unwrap();
+        serde_json::to_value(sextant::run(scenario, &mut (), &Unwatched).expect("a run").summary()).expect("JSON");
     let object = summary.as_object_mut().expect("an object");
     object.remove("timing");
     object.remove("scenario");
