@@ -25,6 +25,7 @@ pub struct HilbertConfig {
     /// Order of the curve, 1 to 9. The curve visits 4^order cells, which fill the square round the region. Give
     /// either this or `spacing_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 9)))]
     pub order: Option<u32>,
     /// Side of the cells, which is the distance between stops (m). The order is the lowest with which the curve
     /// covers the region; the curve exceeds the region equally on all sides. Give either this or `order`.

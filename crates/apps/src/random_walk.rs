@@ -34,12 +34,15 @@ pub struct RandomWalkConfig {
     pub region: Option<RegionConfig>,
     /// Number of steps in one direction before a new direction is drawn. 1 gives a plain random walk.
     #[serde(default = "default_steps_per_turn")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub steps_per_turn: u32,
     /// Packets wanted from each node (N_p of the thesis). The walk ends when each node has been heard this often.
     #[serde(default = "default_packets_per_node")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub packets_per_node: u32,
     /// Maximum number of steps.
     #[serde(default = "default_max_steps")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub max_steps: u32,
 }
 

@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::document::effective::inline;
 use super::document::key_path::KeyPath;
 use super::loaded::Scenario;
+use super::reference::{Explanation, explain};
 use super::survey_identity::with_paths_as_text;
 
 impl Scenario {
@@ -26,5 +27,28 @@ impl Scenario {
             }
         };
         keys.into_iter().map(|key| value(key).unwrap_or_default()).collect()
+    }
+    /// Those of the settings `keys` that are given, by the file or by an override, with another value than their default.
+    #[must_use]
+    pub fn changed_keys<'k>(&self, keys: impl IntoIterator<Item = &'k str>) -> Vec<&'k str> {
+        let document = self.file().overridden(self.overrides().0, None).unwrap_or_default();
+        let is_changed = |key: &&str| {
+            let Ok(path) = KeyPath::parse(key) else { return false };
+            let (entry, true) = document.nearest(&path) else { return false };
+            let default = match explain(key) {
+                Ok(Explanation::Key { key, .. }) => key.default,
+                _ => None,
+            };
+            default.is_none_or(|default| !is_same(&inline(&entry.value), &default))
+        };
+        keys.into_iter().filter(is_changed).collect()
+    }
+}
+
+/// Whether two values in TOML are the same: `12` is `12.0`.
+fn is_same(a: &str, b: &str) -> bool {
+    match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => a.total_cmp(&b).is_eq(),
+        _ => a == b,
     }
 }

@@ -8,6 +8,7 @@ use sextant_kernel::{SettingError, SettingProblem};
 use super::document::key_path::{KeyPath, PathStep};
 use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
+use super::reference::{Explanation, explain};
 use super::source::Origin;
 
 /// Why a setting is rejected.
@@ -92,6 +93,8 @@ impl Document {
                 self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
             }
             Refusal::Unfit { found, expected } => {
+                let whole = whole_number(path, expected);
+                let expected = whole.as_ref().unwrap_or(expected);
                 let this = ScenarioError::new(format!("`{shown}` is {}; allowed: {expected}", shortened(found)));
                 let this = this.about(path, Some(&shortened(found)), Some(expected));
                 self.pointing(this, entry, exact, value_label(expected))
@@ -133,6 +136,19 @@ impl Document {
     fn pointing_at_key(&self, error: ScenarioError, origin: &Origin, label: impl Into<String>) -> ScenarioError {
         error.at(&self.sources[origin.source], origin.head(), label)
     }
+}
+
+/// The whole numbers that are allowed at `path`, which are fewer than those of its type, `expected` in words.
+fn whole_number(path: &KeyPath, expected: &str) -> Option<String> {
+    let of_type = expected.strip_prefix("a whole number, ")?;
+    let Ok(Explanation::Key { key, .. }) = explain(&path.to_string()) else { return None };
+    let range = key.range?;
+    // Without a bound of its own, the greatest number is that of the type.
+    let range = match (range.strip_suffix(" or above"), of_type.split_once(" to ")) {
+        (Some(least), Some((_, most))) => format!("{least} to {most}"),
+        _ => range,
+    };
+    Some(format!("a whole number, {range}"))
 }
 
 /// The label below a rejected value. It repeats what is allowed only if that is short.

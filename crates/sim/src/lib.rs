@@ -162,7 +162,7 @@ pub use service::slots::SlotUse;
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team};
+pub use simulation::{Applications, LeftOut, ReadySimulation, Simulation, Team, UnheardInterferer};
 pub use snapshot::{Reached, RobotSnapshot, Snapshot};
 pub use station::{
     Listening, Odometry, OdometryConfig, OwnFrame, OwnFrameConfig, Pose, RobotBody, RobotConfig, RobotPose,

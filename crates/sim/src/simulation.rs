@@ -8,6 +8,7 @@ mod ready;
 mod stations;
 mod team;
 mod traffic;
+mod unheard;
 
 use std::time::Duration;
 
@@ -34,6 +35,7 @@ pub use applications::Applications;
 pub use ready::{LeftOut, ReadySimulation};
 use stations::Stations;
 pub use team::Team;
+pub use unheard::UnheardInterferer;
 
 /// A simulation that runs once, to its end. Its nodes have applications of the type `N`, and its robots and sinks may.
 pub struct Simulation<N: Application = NodeTraffic> {

@@ -20,17 +20,21 @@ pub struct AutomatedSConfig {
     pub lane_spacing_m: f64,
     /// Packets wanted from each node (N_p of the thesis).
     #[serde(default = "default_packets_per_node")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub packets_per_node: u32,
     /// Maximum number of drives, including repeated listening at one place.
     #[serde(default = "default_max_steps")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub max_steps: u32,
     /// Number of consecutive silent stops after which the robot turns. With more, it drives farther beyond the
     /// network.
     #[serde(default = "default_silent_stops_to_turn")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub silent_stops_to_turn: u32,
     /// A stop that hears fewer nodes than this counts as silent. With a higher value the robot turns nearer to the
     /// network.
     #[serde(default = "default_silent_below_nodes")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub silent_below_nodes: usize,
     /// When the survey is complete.
     #[serde(default)]

@@ -65,6 +65,7 @@ pub struct PredictedConfig {
     /// Number of sectors that are swept: those with the greatest gain towards the node. With 1, the robot points
     /// without a choice.
     #[serde(default = "four_sectors")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 64)))]
     pub sectors: u8,
     /// How much worse than at best since the last training the link must be (dB).
     #[serde(default = "three_db")]

@@ -28,6 +28,7 @@ pub struct DistributedMappingConfig {
     pub window_s: f64,
     /// How often each message is sent in its window.
     #[serde(default = "one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 100)))]
     pub repeats: u32,
     /// Radius of communication: neighbours that lie farther away by the coordinates are scattered (m).
     pub range_m: f64,
@@ -51,6 +52,7 @@ pub struct DistributedMappingConfig {
     pub doubt_below: Option<f64>,
     /// Most iterations.
     #[serde(default = "default_max_iterations")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 1000)))]
     pub max_iterations: u32,
     /// How an anchor works out the directions of its sectors.
     #[serde(default)]

@@ -16,6 +16,7 @@ pub struct RoutingConfig {
     pub tree: TreeConfig,
     /// Packets that a node can hold, its own and those of others: 1 to 1000. One that comes to a full queue is lost.
     #[serde(default = "default_queue_packets")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 1000)))]
     pub queue_packets: u16,
     /// A packet that the MAC could not bring to the next station is given to the MAC again, so many times at most: 0 to 255.
     /// With the usual 3 retries of the MAC and 7 here, a packet is sent at most 32 times over a hop.
@@ -42,12 +43,14 @@ pub struct RoutingConfig {
 pub struct FragmentsConfig {
     /// Size of the packets of nodes, with their headers and without those of the MAC (octets): 40 to 1280. It replaces the size
     /// of the traffic.
+    #[cfg_attr(feature = "schema", schemars(range(min = 40, max = 1280)))]
     pub packet_octets: u16,
     /// A packet that is not complete after this time is given up (s): 0.1 to 60.
     #[serde(default = "default_reassembly_s")]
     pub reassembly_s: f64,
     /// Packets that a station can put together at the same time: 1 to 255. A fragment of another one is lost.
     #[serde(default = "default_reassembly_buffers")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 255)))]
     pub reassembly_buffers: u8,
 }
 

@@ -12,6 +12,7 @@ mod config;
 mod counts;
 mod deliveries;
 mod downward;
+mod expected;
 mod links;
 mod outbox;
 mod reassembly;

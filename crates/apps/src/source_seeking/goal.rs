@@ -31,6 +31,7 @@ pub struct GoalConfig {
     pub then: AfterArrival,
     /// How often each robot should arrive: the number of sources, if it removes them.
     #[serde(default = "one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub arrivals: u32,
     /// A robot that has arrived removes the sources that are truly within this distance (m); if there is none, it has come
     /// to what is left of an earlier source, and has not arrived. If absent, it removes none.

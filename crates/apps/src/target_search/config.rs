@@ -162,6 +162,7 @@ pub struct RobustKalmanConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct ParticlesConfig {
     /// Number of particles.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 1000000)))]
     pub particles: u32,
     /// Radius within which nodes detect a target, as the robots believe (m).
     pub sensing_radius_m: f64,

@@ -34,6 +34,7 @@ pub struct SectorConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 255)))]
     pub azimuth_sectors: u8,
     /// Azimuth of the middle of sector 0 (degrees), 0 (along x) if absent. The other sectors follow counterclockwise.
     #[cfg_attr(feature = "config", serde(default))]

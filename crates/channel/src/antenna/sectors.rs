@@ -13,6 +13,7 @@ use crate::antenna::sector::{EvenSectorsConfig, SectorDirections};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AntennaSectorsConfig {
     /// Number of sectors in a ring, 1 to 64.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 64)))]
     pub azimuth_sectors: u8,
     /// Azimuth of the boresight of sector 0 in the frame of the antenna (degrees). The other sectors follow
     /// counterclockwise.

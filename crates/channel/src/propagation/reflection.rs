@@ -26,10 +26,12 @@ pub struct ReflectionsConfig {
     pub ground_material: Option<MaterialName>,
     /// Most reflections of a link that count, the strongest ones.
     #[cfg_attr(feature = "config", serde(default = "most"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 255)))]
     pub most: u8,
     /// Most reflections of one ray: 0, 1 or 2.
     #[cfg_attr(feature = "config", serde(default = "order", skip_serializing_if = "is_one"))]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 2)))]
     pub order: u8,
     /// Whether signals bend round the vertical edges of solid obstacles that block the straight line.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_false"))]

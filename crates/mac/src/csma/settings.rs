@@ -14,16 +14,21 @@ const MAX_QUEUE_FRAMES: u16 = 10_000;
 #[serde(deny_unknown_fields, default)]
 pub struct CsmaConfig {
     /// First backoff exponent (macMinBE): 0 to max_be.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 8)))]
     pub min_be: u8,
     /// Largest backoff exponent (macMaxBE): 3 to 8.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 8)))]
     pub max_be: u8,
     /// Further backoffs after the first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 5)))]
     pub max_backoffs: u8,
     /// Further transmissions of a frame without acknowledgement (macMaxFrameRetries): 0 to 7.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 7)))]
     pub max_retries: u8,
     /// Whether the receiver stays on between frames and during backoff (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
     /// Frames that wait while another one is under way; one more is lost: 0 to 10000.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10000)))]
     pub queue_frames: u16,
     /// Whether the way from idle to receiving takes one turnaround (12 symbols) before each assessment of the channel and
     /// the way back as long, in time and in energy. Otherwise the radio turns around in the last part of its backoff, which

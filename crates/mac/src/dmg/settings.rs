@@ -59,6 +59,7 @@ pub enum ContentionConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct CsmaFeedbackConfig {
     /// Further sweeps of a node that gets no feedback, within the window: 0 to 7.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 7)))]
     pub max_retries: u8,
     /// Whether the robot asks, with its feedback, for the signal-to-noise ratios of all its sectors that the node heard. The
     /// node reports them in one further frame: at most 127, the strongest.
@@ -77,9 +78,11 @@ impl Default for CsmaFeedbackConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct AbftConfig {
     /// Slots after each sweep (A-BFT Length): 1 to 8.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 8)))]
     pub slots: u8,
     /// SSW frames that fit in a slot (FSS): 1 to 16. A node with more sectors goes on in the next slots and, if there are
     /// none left, in the slots after the next sweep.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 16)))]
     pub frames_per_slot: u8,
     /// Whether the robot answers in the slot with the best sector of the node.
     pub feedback: bool,

@@ -17,12 +17,15 @@ pub struct SleepConfig {
     pub sinks: SinksConfig,
     /// Further attempts to send a frame without acknowledgement: 0 to 15.
     #[serde(default = "default_max_retries")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 15)))]
     pub max_retries: u8,
     /// How often in succession a sender may find the channel busy and wait; after one more the frame is given up: 0 to 15.
     #[serde(default = "default_max_backoffs")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 15)))]
     pub max_backoffs: u8,
     /// Frames that a station holds, that under way included; one more is lost: 1 to 10000.
     #[serde(default = "default_queue_frames")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 10000)))]
     pub queue_frames: u16,
     /// Largest deviation of a clock that senders allow for when they wake a station whose phase they know (millionths): 0 to
     /// 1000. It says nothing of the clocks themselves, which `radio.clock_ppm` sets.

@@ -15,9 +15,11 @@ use crate::csma::{CsmaConfig, CsmaSettings};
 #[serde(deny_unknown_fields, default)]
 pub struct BeaconEnabledConfig {
     /// Beacon order (macBeaconOrder): a beacon every 960 symbols * 2^order, which is 15.36 ms * 2^order at 2.4 GHz; 0 to 14.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 14)))]
     pub beacon_order: u8,
     /// Superframe order (macSuperframeOrder): stations are active for 960 symbols * 2^order after the start of a beacon; 0 to
     /// the beacon order.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 14)))]
     pub superframe_order: u8,
     /// Whether nodes contend only in the six backoff periods after a beacon, with shorter backoffs (macBattLifeExt).
     pub battery_life_extension: bool,
@@ -26,16 +28,21 @@ pub struct BeaconEnabledConfig {
     /// Whether nodes that are synchronised sleep outside the active part.
     pub sleep_when_inactive: bool,
     /// First backoff exponent (macMinBE): 0 to max_be.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 8)))]
     pub min_be: u8,
     /// Largest backoff exponent (macMaxBE): 3 to 8.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 8)))]
     pub max_be: u8,
     /// Further backoffs after the first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 5)))]
     pub max_backoffs: u8,
     /// Further transmissions of a frame without acknowledgement (macMaxFrameRetries): 0 to 7.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 7)))]
     pub max_retries: u8,
     /// Whether the receiver stays on between frames in the active part (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
     /// Frames that wait while another one is under way; one more is lost: 0 to 10000.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10000)))]
     pub queue_frames: u16,
 }
 
@@ -48,6 +55,7 @@ pub struct GtsConfig {
     pub node: String,
     /// Its length [slots of the superframe]: 1 to 15.
     #[serde(default = "one")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 15)))]
     pub slots: u8,
 }
 

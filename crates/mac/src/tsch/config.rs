@@ -19,15 +19,19 @@ pub struct TschConfig {
     pub hopping: Option<Vec<u8>>,
     /// Further transmissions of a frame without acknowledgement (macMaxFrameRetries): 0 to 15.
     #[serde(default = "default_max_retries")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 15)))]
     pub max_retries: u8,
     /// Back-off exponent after the first failure in a shared cell (macMinBE): 0 to max_be. Contiki-NG has 2 in these terms.
     #[serde(default = "default_min_be")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 8)))]
     pub min_be: u8,
     /// Largest back-off exponent (macMaxBE): at most 8.
     #[serde(default = "default_max_be")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 8)))]
     pub max_be: u8,
     /// Frames that wait for each neighbour, and for all together, that under way included; one more is lost: 1 to 10000.
     #[serde(default = "default_queue_frames")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 10000)))]
     pub queue_frames: u16,
     /// What happens when within a slot.
     #[serde(default)]
@@ -78,6 +82,7 @@ pub enum ScheduleConfig {
 pub struct MinimalConfig {
     /// Length of the slotframe (slots): 1 to 65535. A length that has no factor in common with the number of channels hops over
     /// all of them.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub slotframe: u16,
 }
 
@@ -93,10 +98,13 @@ impl Default for MinimalConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct OrchestraConfig {
     /// Length of the slotframe of enhanced beacons (slots): 1 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub beacon_slotframe: u16,
     /// Length of the slotframe of frames between two stations (slots): 1 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub unicast_slotframe: u16,
     /// Length of the slotframe that all share (slots): 1 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub shared_slotframe: u16,
     /// Who owns the cells between two stations.
     pub unicast: UnicastConfig,
@@ -127,12 +135,16 @@ pub enum UnicastConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct MsfConfig {
     /// Length of its three slotframes (SLOTFRAME_LENGTH, slots): 3 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 65535)))]
     pub slotframe: u16,
     /// So many cells to the parent go by between two decisions (MAX_NUMCELLS): 4 to 10000. Fewer follow a changing load faster.
+    #[cfg_attr(feature = "schema", schemars(range(min = 4, max = 10000)))]
     pub max_num_cells: u16,
     /// If more of these cells were used, one more is asked for (LIM_NUMCELLSUSED_HIGH): up to max_num_cells.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10000)))]
     pub lim_num_cells_used_high: u16,
     /// If fewer of these cells were used, one is given up (LIM_NUMCELLSUSED_LOW): up to lim_num_cells_used_high.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 10000)))]
     pub lim_num_cells_used_low: u16,
 }
 
@@ -148,6 +160,7 @@ impl Default for MsfConfig {
 #[serde(deny_unknown_fields)]
 pub struct OwnScheduleConfig {
     /// Length of the slotframe (slots): 1 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub slotframe: u16,
     /// The cells.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -168,6 +181,7 @@ pub struct CellConfig {
     /// The node or sink to which it sends, or that it hears; `*` for all.
     pub peer: String,
     /// The slot: from 0, below the length of the slotframe.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 65534)))]
     pub timeslot: u16,
     /// What its channel has beyond the number of the slot: from 0.
     #[serde(default)]

@@ -19,6 +19,7 @@ const LONGEST_SLOT_US: u32 = 1_000_000;
 pub struct TimeslotConfig {
     /// Length of a slot (us) (macTsTimeslotLength): at most 1000000, and so much that the longest frame and its
     /// acknowledgement fit.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 1000000)))]
     pub length_us: u32,
     /// From the start of the slot to the frame (us) (macTsTxOffset).
     pub tx_offset_us: u32,

@@ -22,6 +22,7 @@ pub struct ApitConfig {
     /// Distance between neighbouring grid points (m).
     pub grid_step_m: f64,
     /// How many of the anchors heard are used, the strongest first: 3 to 20.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 20)))]
     pub strongest: usize,
     /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,

@@ -32,6 +32,7 @@ pub struct DrMdsConfig {
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
     #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 3)))]
     pub dimensions: Option<u8>,
 }
 

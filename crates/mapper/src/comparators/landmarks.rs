@@ -28,6 +28,7 @@ pub enum LandmarksConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CountConfig {
     /// Nodes in each connected part of the network: 4 or more.
+    #[cfg_attr(feature = "schema", schemars(range(min = 4)))]
     pub count: usize,
 }
 

@@ -21,6 +21,7 @@ pub struct RssMlConfig {
     /// How power falls with distance.
     pub ranging: RangingConfig,
     /// Maximum number of steps, 1 or more.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub steps: u32,
 }
 

@@ -26,6 +26,7 @@ pub struct SmacofConfig {
     /// What the map is aligned to.
     pub frame: FrameConfig,
     /// Maximum number of rounds, 1 or more.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub rounds: u32,
     /// The rounds end when a round lowers the stress by less than this share; 0 or above.
     pub tolerance: f64,
@@ -34,6 +35,7 @@ pub struct SmacofConfig {
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
     #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 3)))]
     pub dimensions: Option<u8>,
 }
 

@@ -23,6 +23,7 @@ pub struct TriangleCentroidConfig {
     /// How signal strengths become distances.
     pub ranging: RangingConfig,
     /// How many of the anchors heard are used, the strongest first: 3 to 20, in space at least 4.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 20)))]
     pub strongest: usize,
     /// Whether distances are corrected for shadowing, which makes distances from one packet too long on average.
     pub unbias: bool,

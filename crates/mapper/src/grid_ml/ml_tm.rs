@@ -58,6 +58,7 @@ pub struct MlTmConfig {
     pub sectors: Option<SectorsConfig>,
     /// Maximum memory for the grid window of one node (MB); 512 if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub max_memory_mb: Option<u32>,
 }
 

@@ -7,6 +7,7 @@
 pub struct FittedConfig {
     /// Maximum number of rounds, 1 or more. The estimation then ends even if it has not converged.
     #[cfg_attr(feature = "config", serde(default = "default_max_rounds"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub max_rounds: u32,
     /// The curve has converged if it changes by less than this from one round to the next: root mean square over all
     /// pairs of a node and a stop in range. A change of a fifth of the statistical error is also small enough.

@@ -23,6 +23,7 @@ pub struct SelfCalibratedConfig {
     /// Maximum number of rounds of positions, curve and obstacles, 1 or more. Each stage runs at least one round,
     /// even beyond this number. A log that lists more than 50000 pairs of a node and a stop has at most 30.
     #[cfg_attr(feature = "config", serde(default = "default_max_rounds"))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub max_rounds: u32,
     /// Lowest and highest height of a node (m). If absent, level stops mean that nodes are searched for in their
     /// plane. Stops are level if their heights differ by at most a grid step, or by at most a tenth of the spread in

@@ -237,6 +237,7 @@ pub struct RecordingConfig {
     /// numbers of stops between them. Each takes about as long as the map itself. 0 for none, at most 100. If absent: 4 for maps
     /// that take at most about a second, otherwise none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 100)))]
     pub map_snapshots: Option<u32>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
@@ -284,6 +285,7 @@ pub struct PcapConfig {
     /// The channel number in the capture, 11 to 26 (2.4 GHz), instead of that of the radios. It has no effect on the
     /// simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 26)))]
     pub channel: Option<u8>,
 }
 

@@ -15,6 +15,7 @@ pub(crate) const MOST_ROBOTS: u32 = 256;
 #[serde(deny_unknown_fields)]
 pub struct TeamConfig {
     /// Number of robots: 1 to 256, and at most one for each stop.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 256)))]
     pub robots: u32,
     /// What their names begin with: the first one is `surveyor-1`.
     #[serde(default = "default_name")]
@@ -50,6 +51,7 @@ pub struct TeamConfig {
     pub networks: Vec<String>,
     /// Number of sector sweeps at each stop; 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 10000)))]
     pub sweeps_per_stop: Option<u32>,
     /// Whether they also listen while they drive.
     #[serde(default)]

@@ -122,3 +122,52 @@ fn the_example_of_each_key_is_written_in_toml() {
     assert_eq!(lines("robots"), ["[[robots]]"]);
     assert_eq!(lines("seed"), ["seed = 1"]);
 }
+
+/// The first numbers "from A to B" of a text.
+fn told_range(text: &str) -> Option<(f64, f64)> {
+    let words: Vec<&str> = text.split_whitespace().map(|word| word.trim_matches([',', '.', ';', ':'])).collect();
+    words
+        .windows(3)
+        .find(|words| words[1] == "to")
+        .and_then(|words| Some((words[0].parse().ok()?, words[2].parse().ok()?)))
+}
+
+#[test]
+fn the_range_of_a_whole_number_is_that_of_the_key_and_not_of_its_type() {
+    let range = |path: &str| key(path).range.expect("a range");
+    assert_eq!(range("traffic.poisson.mpdu_octets"), "11 to 127");
+    assert_eq!(range("mac.csma_unslotted.max_be"), "3 to 8");
+    assert_eq!(range("routing.tree.rpl.dao_tries"), "0 to 100");
+    for key in key_reference().iter().filter(|key| key.kind == "whole number") {
+        let Some(range) = &key.range else { continue };
+        if let Some((least, most)) = told_range(&key.description).filter(|_| key.name() != "channel") {
+            assert_eq!(*range, format!("{least} to {most}"), "{}: {}", key.path, key.description);
+        }
+        let is_of_type = range == "0 to 255" || range == "0 to 65535";
+        let is_told = key.description.contains(range.as_str()) || key.name() == "channel_offset";
+        assert!(!is_of_type || is_told, "{}: {range}: {}", key.path, key.description);
+    }
+}
+
+#[test]
+fn a_number_beyond_its_type_is_refused_with_the_numbers_of_its_key() {
+    let text = "name = \"a\"\nduration_s = 1.0\nradio = { tx_power_dbm = 0.0, sensitivity_dbm = -90.0 }\nworld.nodes.explicit.positions_m = [[0.0, 0.0]]\n\
+                channel.path_loss.log_distance.exponent = 3.0\nmac.csma_unslotted = {}\ntraffic.periodic = {}\n\
+                sinks = [{ name = \"sink\", position_m = [1.0, 0.0] }]";
+    let scenario = crate::Scenario::parse(text).expect("a scenario");
+    for (key, allowed) in [
+        ("traffic.periodic.mpdu_octets", "a whole number, 11 to 127"),
+        ("mac.csma_unslotted.max_retries", "a whole number, 0 to 7"),
+        ("mac.csma_unslotted.queue_frames", "a whole number, 0 to 10000"),
+        ("radio.channel", "a whole number, 0 to 26"),
+    ] {
+        for value in ["-1", "300000"] {
+            let errors = scenario.with(key, value).err().expect("a mistake").to_string();
+            let expected = format!("`{key}` is the integer {value}; allowed: {allowed}");
+            assert!(errors.contains(&expected), "{errors}");
+        }
+    }
+    // The least number alone is that of the key.
+    let errors = scenario.with("recording.map_snapshots", "5000000000").err().expect("a mistake").to_string();
+    assert!(errors.contains("a whole number, 0 to 100"), "{errors}");
+}

@@ -8,9 +8,11 @@ mod changes;
 mod cost;
 mod curve;
 mod futile;
-mod idle_keys;
+mod idle_mac;
 mod idle_obstacles;
+mod interference;
 mod interval;
+mod late_deaths;
 mod network;
 mod warning;
 mod way;
@@ -50,11 +52,19 @@ impl Forecast {
         let hops = if scenario.routing().is_some() { Hops::Several } else { Hops::One };
         let of_network = |reach: &Reach<'_>| {
             let forecast = reach.forecast();
-            // What wakes receivers, what nodes send on for others, and fragments are not in it.
-            let is_all_on_air = hops == Hops::One && reach.network.technology.sleeping().is_none();
+            let unknown = if hops == Hops::Several {
+                Some("nodes send packets of others on, and stations tell each other of the tree")
+            } else if reach.network.technology.sleeping().is_some() {
+                Some("frames that wake receivers are on air, too")
+            } else if reach.network.technology.has_slots() {
+                Some("stations change the channel from slot to slot")
+            } else {
+                None
+            };
             NetworkForecast {
                 interval: IntervalForecast::of(reach.network, reach.rate_per_s(), hops),
-                load: forecast.load.filter(|_| is_all_on_air),
+                load: forecast.load.filter(|_| unknown.is_none()),
+                load_unknown: unknown.filter(|_| forecast.load.is_some()),
                 ..forecast
             }
         };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sextant_channel::{CellIndex, Channel, ChannelLaw, Db, Dbm, ObstacleField, Position};
 use sextant_kernel::NodeId;
-use sextant_sim::{Network, NetworkId, Setup};
+use sextant_sim::{Network, NetworkId, Setup, Technology, Traffic};
 
 use super::curve::Curve;
 use super::interval::IntervalForecast;
@@ -13,6 +13,9 @@ const MOST_ASKED: usize = 500;
 
 /// Frames whose size is not known before the run have this one (octets): a beacon with a sequence number.
 const USUAL_OCTETS: u8 = 20;
+
+/// Size of an acknowledgement (octets).
+const ACKNOWLEDGEMENT_OCTETS: u16 = 5;
 
 /// What follows for a network.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,10 +36,12 @@ pub struct NetworkForecast {
     /// Share of time for which links are in bursts of loss, if they ever are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub burst_share: Option<f64>,
-    /// How busy the channel is; absent if the rate of the traffic is not known before the run, or not all that is on air is: with
-    /// several hops, and where receivers are woken.
+    /// How busy the channel is; absent if the rate of the traffic is not known before the run, or not all that is on air is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<LoadForecast>,
+    /// What is on air besides and is not known before the run, so that there is no `load`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_unknown: Option<&'static str>,
     /// How often stations should wake up, if they sleep between checks of the channel and are woken.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<IntervalForecast>,
@@ -80,12 +85,12 @@ pub struct NeighbourForecast {
     pub counted: usize,
 }
 
-/// How busy the channel is.
+/// How busy the channel is: with acknowledgements, and with the tries that weak links need; not with those after collisions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadForecast {
     /// Time on air of a frame (s).
     pub airtime_s: f64,
-    /// Mean number of frames a node and second.
+    /// Mean number of packets a node and second.
     pub rate_per_s: f64,
     /// Frames on air at once that a node senses, its own included (Erlang), mean over the nodes.
     pub mean_erlang: f64,
@@ -101,7 +106,9 @@ pub(super) struct Reach<'a> {
     curve: Curve,
     /// Its nodes.
     pub(super) nodes: Vec<(NodeId, Position)>,
-    /// The same by place.
+    /// The places of its sinks.
+    sinks: Vec<Position>,
+    /// The nodes by place.
     cells: CellIndex,
     /// Range at which one of 100 frames is received.
     pub(super) range: RangeForecast,
@@ -138,7 +145,8 @@ impl<'a> Reach<'a> {
         let id = NetworkId(u8::try_from(number).unwrap_or(u8::MAX));
         let places: Vec<Position> = nodes.iter().map(|&(_, place)| place).collect();
         let cells = CellIndex::new(&places, (0.25 * range.hundredth_m).max(f64::MIN_POSITIVE));
-        Self { network, id, channel, curve, nodes, cells, range }
+        let sinks = setup.sinks.iter().filter(|sink| sink.is_in(id)).map(|sink| sink.position).collect();
+        Self { network, id, channel, curve, nodes, sinks, cells, range }
     }
 
     /// The nodes within `radius_m` of a place, in their order.
@@ -215,6 +223,7 @@ impl<'a> Reach<'a> {
             }),
             burst_share: self.law().bursts().map(|bursts| bursts.bad_share()),
             load: self.load().filter(|_| !self.is_measured()),
+            load_unknown: None,
             interval: None,
         }
     }
@@ -244,7 +253,14 @@ impl<'a> Reach<'a> {
     fn load(&self) -> Option<LoadForecast> {
         let rate_per_s = self.rate_per_s()?;
         let airtime = self.network.technology.airtime(self.network.traffic.mpdu_octets().into())?;
-        let own = airtime.as_secs_f64() * rate_per_s;
+        let acknowledgement = self.network.technology.airtime(ACKNOWLEDGEMENT_OCTETS)?;
+        let on_air_s = |(node, place): &(NodeId, Position)| {
+            let Some(traffic) = self.network.traffic.of(*node) else { return 0.0 };
+            let answer_s = if traffic.is_acknowledged() { acknowledgement.as_secs_f64() } else { 0.0 };
+            let rate_per_s = traffic.rate_per_s().unwrap_or(0.0);
+            rate_per_s * (airtime.as_secs_f64() * self.frames_of_packet(*node, *place) + answer_s)
+        };
+        let own = self.nodes.iter().map(on_air_s).sum::<f64>() / self.nodes.len() as f64;
         let loads: Vec<f64> = self.asked().map(|(node, place)| own * (1.0 + self.sensed(*node, *place))).collect();
         Some(LoadForecast {
             airtime_s: airtime.as_secs_f64(),
@@ -252,6 +268,32 @@ impl<'a> Reach<'a> {
             mean_erlang: loads.iter().sum::<f64>() / loads.len() as f64,
             max_erlang: loads.iter().copied().fold(0.0, f64::max),
         })
+    }
+
+    /// Frames that a packet of a node over one hop takes on average: several tries if it is acknowledged and the link is weak.
+    pub(super) fn frames_of_packet(&self, node: NodeId, place: Position) -> f64 {
+        if !self.network.traffic.of(node).is_some_and(Traffic::is_acknowledged) || self.is_measured() {
+            return 1.0;
+        }
+        let nearest = self.sinks.iter().min_by(|a, b| a.distance_m(place).total_cmp(&b.distance_m(place)));
+        let Some(&sink) = nearest else { return 1.0 };
+        // The acknowledgement goes over the same link.
+        let acknowledged = self.probability(place, sink) * self.probability(sink, place);
+        if acknowledged <= 0.0 {
+            return self.tries().into();
+        }
+        (1.0 - libm::pow(1.0 - acknowledged, self.tries().into())) / acknowledged
+    }
+
+    /// How often the MAC sends a frame to one station at most.
+    pub(super) fn tries(&self) -> u8 {
+        let retries = match &self.network.technology {
+            Technology::Ieee802154(links) => links.mac.csma().max_retries(),
+            Technology::Tsch(links) => links.tsch.max_retries,
+            Technology::Sleeping(links) => links.sleep.max_retries,
+            Technology::Programmed(_) | Technology::Ieee80211ad(_) => 0,
+        };
+        retries + 1
     }
 
     /// Expected number of other nodes that carrier sense at a node notices.

@@ -60,7 +60,9 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     reaches.iter().for_each(|reach| warnings.late_packets(reach));
     warnings.chips();
     warnings.route_tables();
-    warnings.idle_keys_of_rpl();
+    warnings.idle_keys_of_routing();
+    reaches.iter().for_each(|reach| warnings.idle_keys_of_mac(reach));
+    warnings.unheard_interferers(&reaches);
     warnings.late_deaths();
     reaches.iter().for_each(|reach| warnings.tries_of_rpl(reach));
     warnings.short_stops(&reaches);

@@ -145,7 +145,8 @@ fn sleep(
     let worst = counted.iter().copied().max_by(|a, b| share(a).total_cmp(&share(b)));
     let sinks = record.sleep[first_sink..].iter().filter(|used| used.is_member && !used.span.is_zero());
     let strobes = members.iter().map(|node| used(node).strobes).sum();
-    let sent: u64 = members.iter().map(|node| record.packets[node.index()].sent).sum();
+    // Strobes that nobody answered were sent for packets, too.
+    let packets: u64 = members.iter().map(|node| record.packets[node.index()].sent + used(node).unanswered).sum();
     let energy = members.iter().map(|node| &record.energy[node.index()]);
     let power = |node: &NodeId| record.energy[node.index()].total_j() / used(node).span.as_secs_f64();
     Some(SleepSummary {
@@ -156,7 +157,7 @@ fn sleep(
         sink_duty_cycle: mean(sinks.map(duty_cycle)),
         checks: members.iter().map(|node| used(node).checks).sum(),
         strobes,
-        strobes_per_packet: (sent > 0).then(|| strobes as f64 / sent as f64),
+        strobes_per_packet: (packets > 0).then(|| strobes as f64 / packets as f64),
         mean_power_w: mean(counted.iter().map(|node| power(node))),
         asleep_j: energy.map(|energy| energy.sleep_j).sum(),
     })

@@ -145,7 +145,9 @@ fn strobes_that_nobody_answers_are_no_transmissions() {
     assert_sums(&strobed.all, "x_mac");
     assert_eq!((strobed.all.sent, strobed.all.transmissions, strobed.all.retries), (0, 0, 0));
     let sleep = strobed.sleep.expect("sleeps");
-    assert!(sleep.strobes > 1000 && sleep.strobes_per_packet.is_none(), "{sleep:?}");
+    // Three attempts, each over an interval, which is 190 periods of 1312 us, and a little more.
+    let per_packet = sleep.strobes_per_packet.expect("strobes were sent for packets");
+    assert!((3.0 * 189.0..3.0 * 195.0).contains(&per_packet), "{sleep:?}");
     assert!(strobed.all.no_acknowledgement > 10 && strobed.all.out_of_range == strobed.all.no_acknowledgement);
     // Copies of one attempt are one transmission.
     let repeated = mac(&star(&[1e4], &rest("repeated_data = {}")));

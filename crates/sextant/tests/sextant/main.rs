@@ -8,6 +8,8 @@ mod counts;
 mod disasters;
 mod examples;
 mod fading;
+mod forecast;
+mod idle_keys;
 mod linked;
 mod moving;
 mod mutants;

@@ -31,6 +31,7 @@ pub struct RadioConfig {
     /// with sector sweeps; the lowest one if absent.
     /// Networks on one channel disturb each other, those on different channels do not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 26)))]
     pub channel: Option<u8>,
     /// Transmit power (dBm). With a path loss of 0 dB at the reference distance it is the power there.
     pub tx_power_dbm: f64,

@@ -13,6 +13,8 @@ pub struct SleepUse {
     pub checks: u64,
     /// Frames that it sent to wake others: strobes, copies of the frame itself, wake-up frames.
     pub strobes: u64,
+    /// Packets for which it sent such frames and nothing else, because nobody answered.
+    pub unanswered: u64,
     /// Whether it is in the network.
     pub is_member: bool,
 }

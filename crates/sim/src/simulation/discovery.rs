@@ -31,10 +31,12 @@ const NETWORK: NetworkId = NetworkId(0);
 #[serde(deny_unknown_fields, default)]
 pub struct DiscoveryConfig {
     /// Hello packets that each node broadcasts: 1 to 10000.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 10000)))]
     pub packets: u32,
     /// Mean time between two hello packets of a node (s).
     pub interval_s: f64,
     /// Length of a hello packet, header and frame check sequence included (octets): 11 to 127.
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 127)))]
     pub mpdu_octets: u8,
     /// Radius within which nodes hear each other's hello packets (m), as if they were sent with less power; that of
     /// the channel if absent or larger. Packets of anchors, which must be heard far away, are limited only by the

@@ -44,6 +44,7 @@ pub struct RobotConfig<C> {
     /// anchor; 1 to 10000.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 10000)))]
     pub sweeps_per_stop: u32,
     /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
     /// each is a stop of the log, at the time of its start and the place in its middle.

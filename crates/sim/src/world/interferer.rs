@@ -26,6 +26,7 @@ pub struct InterfererConfig {
     pub power_dbm: f64,
     /// The channel of IEEE 802.15.4 at 2450 MHz in whose middle its band lies, 11 to 26; instead of `center_mhz`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 26)))]
     pub channel: Option<u8>,
     /// Middle of its band (MHz); instead of `channel`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -146,6 +147,14 @@ impl Interferer {
     #[must_use]
     pub fn position(&self) -> Position {
         self.position
+    }
+
+    /// The ends of its spectrum, with its leakage (MHz).
+    #[must_use]
+    pub fn spectrum_mhz(&self) -> [f64; 2] {
+        let (farthest_mhz, _) = self.leakage[self.leakage.len() - 1];
+        let half_mhz = 0.5 * self.bandwidth_mhz + farthest_mhz;
+        [self.center_mhz - half_mhz, self.center_mhz + half_mhz]
     }
 
     /// Its power in the channel around `center_mhz` of this width; `None` if there is none.

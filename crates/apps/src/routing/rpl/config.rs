@@ -14,6 +14,7 @@ pub struct RplConfig {
     pub mode: RplMode,
     /// Least increase of the rank over a hop (MinHopRankIncrease), which is the rank of the root too: 1 to 4096. Contiki-NG
     /// has 128 with `mrhof`, so that a rank is the number of expected transmissions; RFC 6550 has 256.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 4096)))]
     pub min_hop_rank_increase: u16,
     /// A node uses no neighbour whose rank is greater by more than that than the least rank that the node had
     /// (MaxRankIncrease): 0 to 65535, where 0 is no limit.
@@ -21,6 +22,7 @@ pub struct RplConfig {
     /// Shortest interval of DIOs (s), at the start and after a change: 0.001 to 1000. RFC 6550 has 0.008.
     pub dio_min_s: f64,
     /// How often the interval of DIOs doubles: 0 to 20. RFC 6550 has 20.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 20)))]
     pub dio_doublings: u8,
     /// A DIO is left out if so many were heard in its interval: 0 to 255, where 0 is never. RFC 6550 has 10.
     pub dio_redundancy: u8,
@@ -30,15 +32,18 @@ pub struct RplConfig {
     pub dao_delay_s: f64,
     /// How often a DAO is sent until it is answered: 0 to 100. With 0 no answer is asked for, and ways are refreshed after
     /// half of their time.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 100)))]
     pub dao_tries: u8,
     /// Time until a DAO without an answer is sent again (s): 0.1 to 1000. Each wait is drawn in 50 to 150 %.
     pub dao_retry_s: f64,
     /// How long ways down last (min): 3 to 254. They are refreshed one to two minutes before.
+    #[cfg_attr(feature = "schema", schemars(range(min = 3, max = 254)))]
     pub route_lifetime_min: u8,
     /// Time between probes of links (s): 0, or 1 to 100000. Each wait is drawn in 50 to 150 %. With 0 links are not tried before
     /// they are used.
     pub probing_interval_s: f64,
     /// With `storing`: ways down that a node can keep, one for each node below it: 1 to 65535.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65535)))]
     pub route_table: u16,
     /// What becomes of a packet that meets a wrong rank for the second time: `forward` or `drop`.
     pub rank_errors: RankErrors,
@@ -82,12 +87,15 @@ pub enum StepOfRankConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct MrhofConfig {
     /// A node changes its parent for another one if its way costs less by at least this number of 128ths: 0 to 32768.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 32768)))]
     pub hysteresis: u16,
     /// It also does if that one was better for longer than this time (s): 0 to 100000.
     pub hysteresis_time_s: f64,
     /// Links that cost more 128ths are not used: 128 to 1280.
+    #[cfg_attr(feature = "schema", schemars(range(min = 128, max = 1280)))]
     pub max_link_metric: u16,
     /// Ways that cost more 128ths are not used: 256 to 65000.
+    #[cfg_attr(feature = "schema", schemars(range(min = 256, max = 65000)))]
     pub max_path_cost: u16,
 }
 

@@ -76,6 +76,7 @@ pub struct CodeBookConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SectorGainsConfig {
     /// Identity of the sector on air, 0 to 63.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 63)))]
     pub sector: u8,
     /// Gains (dBi): a list for each elevation, with a value for each azimuth.
     pub gain_dbi: Vec<Vec<f64>>,

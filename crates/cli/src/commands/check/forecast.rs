@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use sextant::Forecast;
 use sextant::forecast::{CostForecast, NetworkForecast, WayForecast};
-use sextant_kernel::text::{counted, shortened};
+use sextant_kernel::text::{counted, listed, shortened};
 
 /// Writes a forecast, one line for each thing that follows.
 pub(super) fn write(forecast: &Forecast, out: &mut impl Write) -> io::Result<()> {
@@ -61,6 +61,9 @@ fn of_network(network: &NetworkForecast, lines: &mut Vec<(String, String)>) {
         );
         lines.push((called("channel load"), text));
     }
+    if let Some(why) = network.load_unknown {
+        lines.push((called("channel load"), format!("not known before the run: {why}")));
+    }
     if let Some(interval) = &network.interval {
         let text = format!(
             "best {:.3} s, where checks and waking take {:.1} uW; {:.1} uW with {:.3} s",
@@ -94,8 +97,13 @@ fn of_way(way: &WayForecast, lines: &mut Vec<(String, String)>) {
 }
 
 fn of_cost(cost: &CostForecast) -> String {
-    format!(
-        "{:.1} s, about {:.0} frames, {:.0} events, {:.1} s on one core, without maps",
-        cost.sim_time_s, cost.frames, cost.events, cost.cpu_s
-    )
+    let without = match &*cost.without {
+        [] => String::new(),
+        without => format!(" (without {})", listed(without)),
+    };
+    let events = match cost.events.zip(cost.cpu_s) {
+        Some((events, cpu_s)) => format!(", {events:.0} events, {cpu_s:.1} s on one core, without maps"),
+        None => String::new(),
+    };
+    format!("{:.1} s, about {:.0} frames{without}{events}", cost.sim_time_s, cost.frames)
 }

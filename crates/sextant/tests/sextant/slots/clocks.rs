@@ -103,7 +103,7 @@ synchronisation.joining = \"by_scan\"
     let mut sum_s = 0.0;
     for seed in 0..rounds {
         let slots = mac(&scenario.with("seed", seed).expect("a seed")).slots.expect("slots");
-        assert_eq!(slots.joined, 1, "{slots:?}");
+        assert_eq!((slots.joined, slots.joined_by_scan), (1, Some(1)), "{slots:?}");
         sum_s += slots.join_s.expect("it joined");
     }
     // A beacon each 3.5 s, drawn from 3 to 4 s, of 16 channels. The wait is nearly exponential.
@@ -125,7 +125,7 @@ synchronisation.joining = \"by_scan\"
 ";
     let scenario = network(folder.path(), 2, Some(&links), rest);
     let slots = mac(&scenario).slots.expect("slots");
-    assert_eq!((slots.joined, slots.lost), (2, 0), "{slots:?}");
+    assert_eq!((slots.joined, slots.joined_by_scan, slots.lost), (2, Some(2), 0), "{slots:?}");
     // With a clock so fast that it is lost between two corrections, a node scans and joins again.
     let fast = scenario.with("radio.clock_ppm", 1000.0).expect("a clock");
     let fast = fast.with("mac.tsch.synchronisation.keep_alive_s", 30.0).expect("a period");
@@ -135,5 +135,31 @@ synchronisation.joining = \"by_scan\"
     // One that was in from the start comes back, and has not joined.
     let at_start = fast.with("mac.tsch.synchronisation.joining", "at_start").expect("a setting");
     let slots = mac(&at_start).slots.expect("slots");
-    assert!(slots.lost > 0 && slots.join_s.is_none(), "{slots:?}");
+    assert!(slots.lost > 0 && slots.join_s.is_none() && slots.joined_by_scan.is_none(), "{slots:?}");
+}
+
+/// The mean time is of the nodes that joined; one that nobody hears never does, and the count says so.
+#[test]
+fn the_time_to_join_is_of_as_many_nodes_as_joined_by_a_scan() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let links = [("n0", "sink", 1.0), ("sink", "n0", 1.0), ("n2", "sink", 1.0), ("sink", "n2", 1.0)];
+    let rest = "duration_s = 2000.0
+traffic.silent = {}
+[mac.tsch]
+schedule.minimal.slotframe = 13
+beacons.interval_s = 2.0
+synchronisation.joining = \"by_scan\"
+";
+    let scenario = network(folder.path(), 3, Some(&links), rest);
+    let run = sextant::run(&scenario, &mut (), &sextant::Unwatched).expect("a run");
+    let slots = run.summary().mac.clone().expect("a sink").slots.expect("slots");
+    assert_eq!((slots.joined, slots.joined_by_scan), (2, Some(2)), "{slots:?}");
+    let mut printed = Vec::new();
+    sextant::summary::write(run.summary(), &mut printed).expect("memory");
+    let printed = String::from_utf8(printed).expect("text");
+    assert!(printed.contains("of 2 of 3 that scanned"), "{printed}");
+    // At the start all are in the network: nobody scanned.
+    let at_start = scenario.with("mac.tsch.synchronisation.joining", "at_start").expect("a setting");
+    let slots = mac(&at_start).slots.expect("slots");
+    assert_eq!((slots.joined, slots.joined_by_scan), (3, None), "{slots:?}");
 }

@@ -45,6 +45,7 @@ pub enum TrafficConfig {
 pub struct PeriodicConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 127)))]
     pub mpdu_octets: u8,
     /// Mean time between two frames of a node (s).
     #[serde(default = "default_interval_s")]
@@ -77,6 +78,7 @@ impl PeriodicConfig {
 pub struct OnceConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 127)))]
     pub mpdu_octets: u8,
     /// When all nodes get their frame (s).
     #[serde(default)]
@@ -97,6 +99,7 @@ pub struct OnceConfig {
 pub struct PoissonConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 127)))]
     pub mpdu_octets: u8,
     /// Mean number of frames per second and node.
     pub rate_per_s: f64,
@@ -116,6 +119,7 @@ pub struct PoissonConfig {
 pub struct SaturatedConfig {
     /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 11, max = 127)))]
     pub mpdu_octets: u8,
     /// Whether frames go to one robot or sink, which must acknowledge them; otherwise they are broadcast.
     #[serde(default)]

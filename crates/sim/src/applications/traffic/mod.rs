@@ -113,6 +113,12 @@ impl Traffic {
         matches!(self.schedule, Schedule::Silent)
     }
 
+    /// Whether each node always has a frame to send.
+    #[must_use]
+    pub fn is_saturated(&self) -> bool {
+        matches!(self.schedule, Schedule::Saturated { .. })
+    }
+
     /// Whether the instants of [`Traffic::next`] are those of the node's own clock: what happens to all nodes at once, or
     /// stands in a table, is in true time, and a Poisson process has the same law on any clock.
     pub(crate) fn follows_clock(&self) -> bool {

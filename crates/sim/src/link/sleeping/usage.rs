@@ -20,11 +20,13 @@ pub(super) struct Usage {
     pub(super) checks: u64,
     /// Frames sent to wake a receiver, and copies of frames.
     pub(super) strobes: u64,
+    /// Packets that ended without having been sent, although frames to wake a receiver were.
+    pub(super) unanswered: u64,
 }
 
 impl Usage {
     pub(super) fn new(state: RadioState, now: SimTime) -> Self {
-        Self { state, since: now, from: now, spans: RadioSpans::default(), checks: 0, strobes: 0 }
+        Self { state, since: now, from: now, spans: RadioSpans::default(), checks: 0, strobes: 0, unanswered: 0 }
     }
 
     /// The state of the radio.
@@ -74,6 +76,7 @@ impl Usage {
             span: now.saturating_since(self.from),
             checks: self.checks,
             strobes: self.strobes,
+            unanswered: self.unanswered,
             is_member: true,
         };
         (self.spans.meter(self.from, now), used)

@@ -40,6 +40,7 @@ pub struct OptimisedAnchorsConfig {
     /// Distance beyond which a node does not hear an anchor (m).
     pub range_m: f64,
     /// Number of antenna sectors of a node round the circle, 1 or more.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 255)))]
     pub sectors: u8,
 }
 

@@ -124,7 +124,7 @@ pub(super) const WITH_SLEEP: &[KnownMeasure<'static>] = &[
     known("mac.sleep.sink_duty_cycle", Share, "duty cycle of a sink beside nodes that sleep"),
     known("mac.sleep.checks", Count, "checks of the channel by nodes that sleep"),
     known("mac.sleep.strobes", Count, "frames that nodes sent to wake others"),
-    known("mac.sleep.strobes_per_packet", MeanCount, "frames to wake a receiver for each packet sent"),
+    known("mac.sleep.strobes_per_packet", MeanCount, "frames to wake a receiver for each packet, answered or not"),
     known("mac.sleep.mean_power_w", Watt, "mean power of the radio of a node that sleeps"),
     known("mac.sleep.asleep_j", Joule, "energy of nodes asleep"),
 ];

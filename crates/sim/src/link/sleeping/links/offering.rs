@@ -85,6 +85,9 @@ impl Links {
         scene: &mut Scene,
     ) {
         self.payloads.release(frame.content);
+        if frame.attempts > 0 && frame.transmissions == 0 {
+            self.stacks[station.index()].usage.unanswered += 1;
+        }
         let (packet, track) = (frame.packet(), frame.track.as_deref_mut());
         let (transmissions, assessments) = (frame.transmissions, frame.looks);
         let power = self.stacks[station.index()].tx_power;
