@@ -321,6 +321,16 @@ mod tests {
     }
 
     #[test]
+    fn ranges_of_another_clock_say_both_spans() {
+        let folder = folder_of([
+            ("path.csv", "t_s,x_m,y_m\n0,0,0\n10,20,0\n"),
+            ("ranges.csv", "t_s,node,range_m\n1700000000,a,5\n1700000009,a,6\n"),
+        ]);
+        let error = read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("from 1700000000 s to 1700000009 s, the path is from 0 s to 10 s"), "{error}");
+    }
+
+    #[test]
     fn a_value_for_failed_tries_is_told_and_coarse_steps_are_not() {
         // 120 ranges at places far apart, in steps of a metre; then with a sixth of them as 6 m.
         let rows = |range_m: &dyn Fn(usize) -> String| {

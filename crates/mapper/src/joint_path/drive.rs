@@ -141,7 +141,7 @@ pub(super) struct BelievedMap {
 impl BelievedMap {
     pub(super) fn of(log: &ReceptionLog, watch: &dyn Watch) -> Result<Self, MapError> {
         let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-        let (map, fit) = estimator.map(log, watch)?;
+        let (map, fit) = estimator.usual_map(log, watch)?;
         Ok(Self { map, delay_s: fit.map_or(0.0, |fit| fit.delay_s) })
     }
 }

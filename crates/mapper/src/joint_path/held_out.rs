@@ -78,8 +78,8 @@ fn range_gain(log: &ReceptionLog, path: &EstimatedPath, watch: &dyn Watch) -> Re
     // Of one node, its own bias and that of all ranges are one.
     let config = RangeMlConfig { bias: NodeBias::Common, ..RangeMlConfig::default() };
     let by_ranges = RangeMl::try_from(config).expect("the defaults are valid");
-    let (_, believed) = by_ranges.map(log, watch)?;
-    let (_, corrected) = by_ranges.map(&path.log(log), watch)?;
+    let (_, believed) = by_ranges.usual_map(log, watch)?;
+    let (_, corrected) = by_ranges.usual_map(&path.log(log), watch)?;
     let (Some(believed), Some(corrected)) = (believed, corrected) else { return Ok(None) };
     let groups = believed.groups.min(corrected.groups) as f64;
     Ok(Some(groups * believed.worth.min(corrected.worth) * (corrected.log_density - believed.log_density)))
@@ -99,7 +99,7 @@ impl EstimatedPath {
             return Ok(Vec::new());
         }
         let estimator = RangeMl::try_from(RangeMlConfig::default()).expect("the defaults are valid");
-        let mut map = estimator.map(&self.log(log), watch)?.0;
+        let mut map = estimator.usual_map(&self.log(log), watch)?.0;
         self.widen(&mut map);
         let of = |&(node, place): &(NodeId, Position)| {
             let estimate = map.estimates[node.index()].as_ref().filter(|estimate| estimate.concern.is_none())?;

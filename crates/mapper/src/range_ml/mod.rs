@@ -125,10 +125,7 @@ impl RangeMl {
     /// # Errors
     /// [`MapError::Interrupted`] if `watch` ends the work.
     pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<RangeFit>), MapError> {
-        let Some(heights) = self.heights(log) else {
-            let map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
-            return Ok((map, None));
-        };
+        let Some(heights) = self.heights(log) else { return Ok((Self::nothing(log), None)) };
         let found = self.map_at(log, heights, FarOff::default(), watch)?;
         let (Some(fit), Some(usual_m)) = (&found.1, found.2) else { return Ok((found.0, found.1)) };
         // What is wrong by far more than usual is found first, and what is left of it then.
@@ -150,6 +147,22 @@ impl RangeMl {
         Ok((map, fit))
     }
 
+    /// The same of ranges that are wrong by no more than usual.
+    pub(crate) fn usual_map(
+        &self,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<RangeFit>), MapError> {
+        let Some(heights) = self.heights(log) else { return Ok((Self::nothing(log), None)) };
+        let (map, fit, _) = self.map_at(log, heights, FarOff::default(), watch)?;
+        Ok((map, fit))
+    }
+
+    /// The map of a log without ranges.
+    fn nothing(log: &ReceptionLog) -> TopologyMap {
+        TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World)
+    }
+
     /// The map of ranges that are wrong by so much, what was learned of all ranges, and how long these usually are (m).
     fn map_at(
         &self,
@@ -158,7 +171,7 @@ impl RangeMl {
         far_off: FarOff,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<RangeFit>, Option<f64>), MapError> {
-        let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
+        let mut map = Self::nothing(log);
         let right;
         let log = if far_off == FarOff::default() {
             log
