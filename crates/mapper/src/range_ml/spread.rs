@@ -54,7 +54,9 @@ struct Answer {
     by_state: Vec<Vector4<f64>>,
     /// Covariance of the state for ranges of unit weight.
     covariance: Matrix4<f64>,
+    /// Directions from the robot (rad): round the vertical, and above the level unless heights are given.
     directions: Vec<f64>,
+    elevations: Option<Vec<f64>>,
 }
 
 impl Answer {
@@ -62,7 +64,7 @@ impl Answer {
         let (node, shared) = (&point.nodes[number], &point.shared);
         let weight = problem.worth / point.errors().noise_m().powi(2);
         let mut curvature = Matrix4::from_diagonal(&(problem.node_precision() / weight));
-        let (mut by_state, mut directions) = (Vec::new(), Vec::new());
+        let (mut by_state, mut directions, mut elevations) = (Vec::new(), Vec::new(), Vec::new());
         for group in problem.groups.of_node(number) {
             let Residual { apart, distance_m, .. } = Residual::of(group, node, shared);
             let longer = (1.0 + point.scale()) / distance_m;
@@ -71,11 +73,13 @@ impl Answer {
             curvature += by * by.transpose();
             by_state.push(by);
             directions.push(libm::atan2(apart[1], apart[0]));
+            elevations.push(libm::atan2(apart[2], libm::hypot(apart[0], apart[1])));
         }
         if problem.heights.is_given() {
             curvature[(2, 2)] = 1.0;
         }
-        Some(Self { by_state, covariance: curvature.try_inverse()?, directions })
+        let elevations = (!problem.heights.is_given()).then_some(elevations);
+        Some(Self { by_state, covariance: curvature.try_inverse()?, directions, elevations })
     }
 
     /// The state that is fitted to these errors.
@@ -86,10 +90,12 @@ impl Answer {
 
     /// The harmonics of an error by direction, as its values at each group, with their shares of the variance.
     fn harmonics(&self) -> impl Iterator<Item = (f64, Vec<f64>)> {
-        (1..=HARMONICS).flat_map(move |harmonic| {
-            [0.0, 0.5 * PI].map(|phase| {
-                let value = |direction: &f64| libm::cos(harmonic as f64 * direction - phase);
-                (share_of(harmonic), self.directions.iter().map(value).collect())
+        std::iter::once(&self.directions).chain(&self.elevations).flat_map(|angles| {
+            (1..=HARMONICS).flat_map(move |harmonic| {
+                [0.0, 0.5 * PI].map(|phase| {
+                    let value = |angle: &f64| libm::cos(harmonic as f64 * angle - phase);
+                    (share_of(harmonic), angles.iter().map(value).collect())
+                })
             })
         })
     }
