@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use sextant::forecast::CostForecast;
 use sextant::{Forecast, Scenario};
 use sextant_kernel::{Watch, Work};
 
@@ -29,17 +30,21 @@ impl Watch for Budget {
 
 /// Most nodes of a scenario that is simulated.
 const MOST_NODES: usize = 12;
-/// Most events that the forecast may say.
+/// Most events and frames that the forecast may say; of several hops, slots and sleep it says frames alone.
 const MOST_EVENTS: f64 = 20_000.0;
+const MOST_FRAMES: f64 = 2_000.0;
 /// The longest simulated time (s).
 const LONGEST_S: f64 = 120.0;
 
 /// Whether the forecast of the program says that the simulation of `scenario` is short. One whose length cannot be told is not.
 pub(crate) fn is_small(scenario: &Scenario) -> bool {
     let nodes = scenario.world().nodes.len();
-    let cost = || Forecast::of(scenario).cost;
+    let is_short = |cost: CostForecast| {
+        let is_few = cost.events.map_or(cost.frames <= MOST_FRAMES, |events| events <= MOST_EVENTS);
+        is_few && cost.sim_time_s <= LONGEST_S
+    };
     nodes <= MOST_NODES
-        && cost().is_some_and(|cost| cost.events <= MOST_EVENTS && cost.sim_time_s <= LONGEST_S)
+        && Forecast::of(scenario).cost.is_some_and(is_short)
         && scenario.maps().len() <= 3
         && scenario.missions().is_empty()
 }

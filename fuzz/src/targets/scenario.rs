@@ -20,7 +20,8 @@ pub(crate) fn check(octets: &[u8]) {
 pub(crate) fn accepted(scenario: &Scenario) {
     let (_, forecast) = (warnings(scenario), Forecast::of(scenario));
     if let Some(cost) = forecast.cost {
-        assert!(cost.events.is_finite() && cost.cpu_s.is_finite(), "{cost:?}");
+        let numbers = [Some(cost.frames), cost.events, cost.cpu_s];
+        assert!(numbers.into_iter().flatten().all(f64::is_finite), "{cost:?}");
     }
     let again = Scenario::parse(scenario.text()).map(|again| again.text().to_owned());
     assert!(again.is_ok_and(|again| again == scenario.text()), "the text of the scenario reads as another one");
