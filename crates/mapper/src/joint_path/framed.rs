@@ -4,17 +4,9 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch};
 
 use super::drive::{BelievedMap, EstimatedPath};
+use super::report::FrameOfNodes;
 use crate::error::MapError;
 use crate::posterior::Concern;
-
-/// How a path was turned round its origin, and then shifted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameOfNodes {
-    /// Counterclockwise (rad).
-    pub turn_rad: f64,
-    /// East and north (m).
-    pub shift_m: [f64; 2],
-}
 
 impl EstimatedPath {
     /// The path as odometry has it, turned and shifted so that nodes which ranges place on it are at their `known` places; `None` if

@@ -18,10 +18,9 @@ mod track;
 use std::str::FromStr;
 
 pub use drive::{EstimatedPath, PathPose};
-pub use framed::FrameOfNodes;
 pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
-pub use report::{ContradictedPlace, HeldOut, LateClock, PathFit, PathRanges};
+pub use report::{ContradictedPlace, FrameOfNodes, HeldOut, LateClock, PathFit, PathRanges};
 pub use track::{
     DoubtedReceiver, OnRobot, RangeFault, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose,
     TrackRangeLaw, TrackSettings, TrackStrengthLaw, track,

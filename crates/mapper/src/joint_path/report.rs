@@ -5,7 +5,6 @@ use std::fmt;
 use sextant_kernel::text::counted;
 
 use super::PathError;
-use super::framed::FrameOfNodes;
 
 /// What was learned of odometry and ranges with a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,6 +98,15 @@ impl HeldOut {
         let without = gains.iter().filter(|&&gain| gain <= LEAST_OF_PART).count();
         Self { gain, error, is_clear: gain > LEAST_GAIN[1] && without <= usize::from(gains.len() > 3) }
     }
+}
+
+/// How a path was turned round its origin, and then shifted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameOfNodes {
+    /// Counterclockwise (rad).
+    pub turn_rad: f64,
+    /// East and north (m).
+    pub shift_m: [f64; 2],
 }
 
 /// What was learned of ranges with a path.

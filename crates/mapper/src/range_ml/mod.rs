@@ -12,6 +12,7 @@ mod offset;
 mod places;
 mod problem;
 mod report;
+mod shared;
 mod solution;
 mod spread;
 mod sums;

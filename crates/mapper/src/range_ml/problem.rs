@@ -6,19 +6,10 @@ use sextant_channel::RangeErrorLaw;
 
 use super::error_law::bounded;
 use super::groups::{RangeGroup, RangeGroups};
+use super::shared::Mixed;
+pub(super) use super::shared::{BIAS, ERRORS, SCALE, Shared, SharedMatrix};
+use super::shared::{DELAY, SHARED};
 use super::sums::{ByPlace, NodeSlopes, RangeSums};
-
-/// Number of parameters that all ranges share.
-pub(super) const SHARED: usize = 7;
-/// The places of bias, scale and delay among them; the law of errors comes after.
-pub(super) const BIAS: usize = 0;
-pub(super) const SCALE: usize = 1;
-const DELAY: usize = 2;
-pub(super) const ERRORS: usize = 3;
-
-pub(super) type Shared = SVector<f64, SHARED>;
-pub(super) type SharedMatrix = SMatrix<f64, SHARED, SHARED>;
-pub(super) type Mixed = SMatrix<f64, 4, SHARED>;
 
 /// What is sought of a node: x, y, z (m) and how much longer its ranges are than those of others (m).
 pub(super) type NodeState = Vector4<f64>;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 use sextant_channel::RangeErrorDensity;
 
-use super::problem::{ERRORS, Mixed, Shared, SharedMatrix};
+use super::shared::{ERRORS, Mixed, Shared, SharedMatrix};
 
 /// The slope of the log-posterior by the state of a node, and its curvature.
 #[derive(Clone, Copy, Debug)]
