@@ -92,8 +92,9 @@ pub use grid_ml::{
 };
 pub use joint_path::{
     ContradictedPlace, DoubtedReceiver, EstimatedPath, FrameOfNodes, HeldOut, LateClock, OnEstimatedPath, OnRobot,
-    PathError, PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, RangeFault, TagReading, TagValue, Track,
-    TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, estimate_path, track,
+    PathError, PathErrorConfig, PathFit, PathPose, PathRanges, PathUse, PlaceUnit, RangeFault, TagReading, TagValue,
+    Track, TrackFit, TrackHeight, TrackMotion, TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw,
+    estimate_path, track,
 };
 pub use knowledge::{FrameKnowledge, Knowledge, KnowledgeKind};
 pub use lattice::Lattice;

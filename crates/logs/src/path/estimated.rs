@@ -58,12 +58,13 @@ pub fn write_path(
     output.save(path)
 }
 
-/// Writes the tracks of tags to the file `path`: `t_s,tag,x_m,y_m,z_m`, the covariance of x and y (m²), and the velocity (m/s).
+/// Writes the tracks of tags to the file `path`: `t_s,tag,x_m,y_m,z_m`, the covariance of x and y and the variance of z (m²), and the
+/// velocity (m/s). The variance of z is empty where the height is given or that of the receivers.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_tracks(path: &FilePath, tracks: &[(String, Track)]) -> Result<(), RobotLogError> {
-    let covariance = ["cov_xx_m2", "cov_xy_m2", "cov_yy_m2"];
+    let covariance = ["cov_xx_m2", "cov_xy_m2", "cov_yy_m2", "cov_zz_m2"];
     let header =
         [&["t_s", "tag", "x_m", "y_m", "z_m"][..], &covariance, &["velocity_x_m_per_s", "velocity_y_m_per_s"]];
     let mut output = Output::new(&header.concat());
@@ -72,6 +73,7 @@ pub fn write_tracks(path: &FilePath, tracks: &[(String, Track)]) -> Result<(), R
             output.instant(pose.time).text(tag).position(pose.position);
             let [[xx, xy], [_, yy]] = pose.covariance;
             output.number(xx).number(xy).number(yy);
+            output.text(&pose.height_variance_m2.map_or_else(String::new, |variance| variance.to_string()));
             let [x, y] = pose.velocity_m_per_s;
             output.number(x).number(y).end();
         }

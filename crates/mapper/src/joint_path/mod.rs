@@ -22,8 +22,8 @@ pub use held_out::estimate_path;
 pub use on_path::{OnEstimatedPath, PathErrorConfig, PathUse};
 pub use report::{ContradictedPlace, FrameOfNodes, HeldOut, LateClock, PathFit, PathRanges};
 pub use track::{
-    DoubtedReceiver, OnRobot, RangeFault, TagReading, TagValue, Track, TrackFit, TrackMotion, TrackPose,
-    TrackRangeLaw, TrackSettings, TrackStrengthLaw, track,
+    DoubtedReceiver, OnRobot, PlaceUnit, RangeFault, TagReading, TagValue, Track, TrackFit, TrackHeight, TrackMotion,
+    TrackPose, TrackRangeLaw, TrackSettings, TrackStrengthLaw, track,
 };
 
 /// How wrong odometry is: standard deviations.

@@ -1,14 +1,14 @@
 //! What is sought, how likely it is, and how that changes: places, biases, scale, delay and the law of errors, all at once.
 
-use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
+use nalgebra::{Matrix4, SMatrix, Vector4};
 use rayon::prelude::*;
 use sextant_channel::RangeErrorLaw;
 
 use super::error_law::bounded;
 use super::groups::{RangeGroup, RangeGroups};
+use super::shared::DELAY;
 use super::shared::Mixed;
 pub(super) use super::shared::{BIAS, ERRORS, SCALE, Shared, SharedMatrix};
-use super::shared::{DELAY, SHARED};
 use super::sums::{ByPlace, NodeSlopes, RangeSums};
 
 /// What is sought of a node: x, y, z (m) and how much longer its ranges are than those of others (m).

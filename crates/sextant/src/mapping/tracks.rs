@@ -6,7 +6,9 @@ use std::path::Path;
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, Watch};
 use sextant_logs::{self as robot_log, ReadOptions, RobotLog, Source, TagReadings, TagTables};
-use sextant_mapper::{DoubtedReceiver, PositionError, RangeFault, Track, TrackMotion, TrackSettings, track};
+use sextant_mapper::{
+    DoubtedReceiver, PositionError, RangeFault, Track, TrackHeight, TrackMotion, TrackSettings, track,
+};
 use sextant_recording as recording;
 
 use super::error::MapLogError;
@@ -88,8 +90,11 @@ pub fn tracks(
         let doubted = doubted.collect();
         let names = |receivers: &[usize]| receivers.iter().map(|&receiver| name(receiver)).collect::<Vec<_>>();
         let (mut unit, mut exchanged, mut unexplained) = (None, Vec::new(), None);
+        let (mut unit_of_places, mut range_offset_m) = (None, None);
         match &found.fault {
             Some(RangeFault::Unit(other)) => unit = Some(other.name.to_owned()),
+            Some(RangeFault::Places(other)) => unit_of_places = Some(other.name.to_owned()),
+            Some(&RangeFault::Offset { offset_m }) => range_offset_m = Some(offset_m),
             Some(RangeFault::Exchanged(pairs)) => exchanged = pairs.iter().map(|pair| names(pair)).collect(),
             Some(RangeFault::Unexplained { usually_m, receivers }) => {
                 unexplained = Some(UnexplainedSummary { usually_m: *usually_m, receivers: names(receivers) });
@@ -99,6 +104,8 @@ pub fn tracks(
         summaries.push(TrackSummary {
             doubted,
             unit,
+            unit_of_places,
+            range_offset_m,
             exchanged,
             unexplained,
             ..summary(&tag, &found, heard.len(), job.truth)
@@ -162,6 +169,21 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         // Adding 0 makes the -0 of a sum of nothing a 0.
         length_m: poses.windows(2).map(|pair| pair[0].position.distance_m(pair[1].position)).sum::<f64>() + 0.0,
         height_m: fit.height_m,
+        height: match fit.height {
+            TrackHeight::Given => "given",
+            TrackHeight::OfReceivers => "of_receivers",
+            TrackHeight::Constant { .. } => "constant",
+            TrackHeight::Wandering => "over_time",
+        },
+        height_deviation_m: match fit.height {
+            TrackHeight::Constant { deviation_m } => Some(deviation_m),
+            TrackHeight::Given | TrackHeight::OfReceivers | TrackHeight::Wandering => None,
+        },
+        is_height_doubtful: fit.is_height_doubtful,
+        heights_m: (fit.height == TrackHeight::Wandering).then(|| {
+            let heights = || poses.iter().map(|pose| pose.position.z_m);
+            [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)]
+        }),
         is_among_receivers: fit.is_among_receivers,
         may_be_mirrored: fit.may_be_mirrored,
         range_bias_m: fit.of_ranges.map(|law| law.bias_m),
@@ -178,6 +200,8 @@ fn summary(tag: &str, track: &Track, receivers: usize, truth: Option<&robot_log:
         settled: fit.settled,
         doubted: Vec::new(),
         unit: None,
+        unit_of_places: None,
+        range_offset_m: None,
         exchanged: Vec::new(),
         unexplained: None,
         is_beyond_prior: fit.of_ranges.is_some_and(|law| law.is_beyond_prior()),

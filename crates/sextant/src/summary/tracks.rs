@@ -28,8 +28,20 @@ pub struct TrackSummary {
     pub duration_s: f64,
     /// Length of the track (m).
     pub length_m: f64,
-    /// Height of the tag (m).
+    /// Mean height of the tag (m).
     pub height_m: f64,
+    /// How it is known: `given`, `of_receivers` (all receivers are on one level, and the tag is taken to be there), `constant` or
+    /// `over_time` (estimated).
+    pub height: &'static str,
+    /// Standard deviation of a height that is constant and estimated (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_deviation_m: Option<f64>,
+    /// The lowest and the highest height that was estimated over time (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heights_m: Option<[f64; 2]>,
+    /// Whether the height is so far from those of the receivers that it rather stands for another error.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_height_doubtful: bool,
     /// Whether most of the track is among the receivers: only then biases and scale of ranges are estimated freely.
     pub is_among_receivers: bool,
     /// Whether the receivers are on a line, and nothing says on which side of it the tag is.
@@ -75,6 +87,12 @@ pub struct TrackSummary {
     /// The unit in which the ranges fit clearly better than as metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    /// The unit of the known places with which the ranges fit clearly better.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit_of_places: Option<String>,
+    /// By how much all ranges are too long if that makes them fit clearly better (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_offset_m: Option<f64>,
     /// Receivers in each other's place: the pair with which the ranges fit clearly better, and others that fit about as well.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub exchanged: Vec<Vec<String>>,
@@ -148,10 +166,36 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             write!(out, "; odometry {short:.1} % short, drift {drift:.4} rad/m")?;
         }
         writeln!(out)?;
-        if !track.is_among_receivers && track.ranges > 0 {
+        if !track.is_among_receivers && track.ranges > 0 && track.height != "over_time" {
             writeln!(
                 out,
                 "{}: most of the track is beside the receivers, where a bias of ranges moves all of it: ranges are taken as calibrated",
+                track.tag
+            )?;
+        }
+        let wrote_height = match track.height {
+            "of_receivers" => Some(format!(
+                "all receivers are on one level, and the tag is assumed to be there (z = {:.2} m): a height of the antenna says \
+                 otherwise",
+                track.height_m
+            )),
+            "constant" => track.height_deviation_m.map(|deviation_m| {
+                format!("one height is assumed for the whole track: {:.2} ± {deviation_m:.2} m", track.height_m)
+            }),
+            "over_time" => track
+                .heights_m
+                .map(|[low, high]| format!("the height is estimated over time, from {low:.2} m to {high:.2} m; ranges are taken as calibrated, and receivers \
+                     nearly in one plane do not tell on which side of it the tag is")),
+            _ => None,
+        };
+        if let Some(told) = wrote_height {
+            writeln!(out, "{}: {told}", track.tag)?;
+        }
+        if track.is_height_doubtful {
+            writeln!(
+                out,
+                "{}: warning: this height is far from those of the receivers, so it rather stands for another error; give the \
+                 height of the antenna",
                 track.tag
             )?;
         }
@@ -166,6 +210,19 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             writeln!(
                 out,
                 "{}: warning: the ranges fit clearly better as {unit} than as metres, so the track is not reliable",
+                track.tag
+            )?;
+        } else if let Some(unit) = &track.unit_of_places {
+            writeln!(
+                out,
+                "{}: warning: the ranges fit clearly better if the known places are in {unit}, so the track is not reliable",
+                track.tag
+            )?;
+        } else if let Some(offset_m) = track.range_offset_m {
+            writeln!(
+                out,
+                "{}: warning: the ranges fit clearly better if all are {offset_m:.1} m too long, as with a delay of antennas: subtract \
+                 that; the track is not reliable",
                 track.tag
             )?;
         } else if !track.exchanged.is_empty() {
@@ -193,8 +250,8 @@ pub(super) fn write(tracks: &[TrackSummary], out: &mut impl Write) -> io::Result
             };
             writeln!(
                 out,
-                "{}: warning: the ranges are usually {usually_m:.2} m off, and neither another unit nor two exchanged receivers \
-                 explain it{most}: check names and known places; the track is not reliable",
+                "{}: warning: the ranges are usually {usually_m:.2} m off, and no other unit, offset or exchange of two \
+                 receivers that was tried explains it{most}: check names and known places; the track is not reliable",
                 track.tag
             )?;
         }

@@ -3,3 +3,4 @@
 mod of_log;
 mod reading_table;
 pub(crate) mod readings;
+mod repeated;

@@ -8,6 +8,7 @@ use sextant_kernel::text::{counted, listed};
 use sextant_mapper::{TagReading, TagValue};
 
 use super::reading_table::{Odometry, ReadingTables};
+use super::repeated;
 use crate::csv::memory_table::MemoryTable;
 use crate::csv::table_source::TableSource;
 use crate::csv::written::Written;
@@ -235,6 +236,7 @@ impl TagReadings {
     /// The readings that are used: ranges, and the strengths of receivers to which a tag has no ranges; strengths add nothing to
     /// ranges.
     pub(super) fn ready(mut self) -> Self {
+        self.notes.extend(self.tags.iter().filter_map(|(tag, readings)| repeated::note(tag, readings)));
         let mut left_out = 0_usize;
         for readings in self.tags.values_mut() {
             let is_range = |reading: &TagReading| matches!(reading.value, TagValue::Range(_));

@@ -7,12 +7,14 @@ use super::epochs::Epochs;
 use super::moments::{Moments, log_density};
 use super::problem::{TrackPoint, TrackProblem};
 use super::reading::{TagReading, TagValue};
-use super::report::{DoubtedReceiver, RangeFault, Track, TrackRangeLaw};
-use super::{TrackSettings, tracked_as_given};
+use super::report::{DoubtedReceiver, PlaceUnit, RangeFault, Track, TrackHeight, TrackRangeLaw};
+use super::{Sought, TrackSettings, heights, tracked_as_given};
 use crate::error::MapError;
 use crate::numerics::median;
-use crate::range_ml::{RangeUnit, UNITS};
+use crate::range_ml::UNITS;
 
+/// An offset up to this is a bias of the track (m).
+const LEAST_OFFSET_M: f64 = 6.0;
 /// Fewer ranges of a receiver say nothing.
 const LEAST: usize = 10;
 /// A receiver is doubted if its ranges are usually off by so many times as much as those of the others, and by so much (m).
@@ -61,26 +63,35 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// Why ranges do not fit: another unit, or receivers in each other's place. Each is first tried at some moments that are placed for
-    /// themselves, and only the best ones with a whole track.
+    /// Why ranges do not fit: another unit, an offset, or receivers in each other's place. Each is first tried at some moments that are
+    /// placed for themselves, and only the best ones with a whole track.
     ///
     /// # Errors
     /// If `watch` ends the work.
     pub(super) fn fault(&self) -> Result<Option<RangeFault>, MapError> {
         let Some(law) = self.found.fit.of_ranges else { return Ok(None) };
-        let Some(moments) = Moments::of(&Epochs::of(self.readings), self.receivers, self.found.fit.height_m) else {
-            return Ok(None);
+        let epochs = Epochs::of(self.readings);
+        let [usual_height_m, _] = heights::prior_m(self.receivers, self.settings.height_m);
+        let Some(moments) = Moments::of(&epochs, self.receivers, usual_height_m) else { return Ok(None) };
+        // A track with one height is compared with others that have one.
+        let law = match self.found.fit.height {
+            TrackHeight::Wandering => {
+                let (settings, sought) = (self.settings, Sought::ConstantHeight);
+                let constant = tracked_as_given(self.receivers, self.readings, settings, sought, self.watch)?;
+                constant.fit.of_ranges.unwrap_or(law)
+            }
+            _ => law,
         };
-        let has_large_errors = has_large_errors(&law, self.usual_m());
-        let is_odd = !self.found.fit.settled || has_large_errors || law.scale.abs() > LARGEST_SCALE;
-        if is_odd && let Some(unit) = self.other_unit(&law, &moments)? {
-            return Ok(Some(RangeFault::Unit(unit)));
+        if let Some(fault) = self.other_measure(&law, &moments)? {
+            return Ok(Some(fault));
         }
+        let Some(moments) = Moments::of(&epochs, self.receivers, self.found.fit.height_m) else { return Ok(None) };
         let pairs = self.exchanged(&law, &moments)?;
         if !pairs.is_empty() {
             return Ok(Some(RangeFault::Exchanged(pairs)));
         }
-        let is_unexplained = has_large_errors && self.found.doubted.is_empty();
+        let law = self.found.fit.of_ranges.unwrap_or(law);
+        let is_unexplained = has_large_errors(&law, self.usual_m()) && self.found.doubted.is_empty();
         Ok(is_unexplained
             .then(|| RangeFault::Unexplained { usually_m: spread_m(&law), receivers: self.disagreeing(&moments) }))
     }
@@ -96,27 +107,66 @@ impl Check<'_> {
 
     /// The law of the ranges of a track with other receivers or readings, if that is settled and its law is one of devices.
     fn tried(&self, receivers: &[Position], readings: &[TagReading]) -> Result<Option<TrackRangeLaw>, Interrupted> {
-        let Ok(tried) = tracked_as_given(receivers, readings, self.settings, self.watch) else {
+        let Ok(tried) = tracked_as_given(receivers, readings, self.settings, Sought::ConstantHeight, self.watch)
+        else {
             self.watch.check()?;
             return Ok(None);
         };
         Ok(tried.fit.of_ranges.filter(|law| law.scale.abs() < LARGEST_SCALE))
     }
 
-    /// The unit in which the ranges fit clearly better than as metres.
-    fn other_unit(&self, law: &TrackRangeLaw, moments: &Moments) -> Result<Option<RangeUnit>, Interrupted> {
-        let of = |unit: &RangeUnit| {
-            log_density(&moments.errors_in_m(self.receivers, unit.of_metre)) - libm::log(unit.of_metre)
-        };
-        let tried: Vec<(f64, RangeUnit)> = UNITS.into_iter().map(|unit| (of(&unit), unit)).collect();
-        let (as_metres, _) = tried[0];
-        let best = tried.into_iter().skip(1).max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, unit)) = best.filter(|&(best, _)| best > as_metres + WORTH_A_TRIAL) else { return Ok(None) };
-        let scaled: Vec<TagReading> = self.readings.iter().map(|reading| in_metres(reading, unit)).collect();
-        let of_unit = self.tried(self.receivers, &scaled)?;
-        let is_clear =
-            |of_unit: TrackRangeLaw| of_unit.log_density - libm::log(unit.of_metre) > law.log_density + CLEAR;
-        Ok(of_unit.is_some_and(is_clear).then_some(unit))
+    /// Another unit of the ranges or of the places, or an offset, with which the ranges fit clearly better.
+    fn other_measure(&self, law: &TrackRangeLaw, moments: &Moments) -> Result<Option<RangeFault>, Interrupted> {
+        let as_given = log_density(&moments.errors_in_m(self.receivers, 1.0));
+        let mut tried = Vec::new();
+        for unit in UNITS.into_iter().skip(1) {
+            let errors_m = moments.errors_in_m(self.receivers, unit.of_metre);
+            tried.push((log_density(&errors_m) - libm::log(unit.of_metre), RangeFault::Unit(unit)));
+        }
+        for unit in PlaceUnit::OTHERS {
+            let errors_m = moments.errors_shrunk_m(self.receivers, unit.of_metre);
+            tried.push((log_density(&errors_m), RangeFault::Places(unit)));
+        }
+        self.watch.check()?;
+        let offset_m = moments.offset_m(self.receivers);
+        if offset_m.abs() > LEAST_OFFSET_M {
+            tried.push((
+                log_density(&moments.errors_with_offset_m(self.receivers, offset_m)),
+                RangeFault::Offset { offset_m },
+            ));
+        }
+        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, RangeFault)> = None;
+        for (_, fault) in tried.into_iter().take_while(|&(of, _)| of > as_given + WORTH_A_TRIAL).take(TRIALS) {
+            let gain = self.tried_measure(&fault)?.map_or(0.0, |density| density - law.log_density);
+            if gain > CLEAR && best.as_ref().is_none_or(|(best, _)| gain > *best) {
+                best = Some((gain, fault));
+            }
+        }
+        Ok(best.map(|(_, fault)| fault))
+    }
+
+    /// The mean logarithm of the density of ranges with a measure (per unit of what was measured), if it makes a good track.
+    fn tried_measure(&self, fault: &RangeFault) -> Result<Option<f64>, Interrupted> {
+        let of_law = |law: Option<TrackRangeLaw>| law.filter(|law| !has_large_errors(law, f64::INFINITY));
+        Ok(match fault {
+            RangeFault::Unit(unit) => {
+                let scaled: Vec<TagReading> =
+                    self.readings.iter().map(|reading| with_range(reading, |range| range / unit.of_metre)).collect();
+                of_law(self.tried(self.receivers, &scaled)?).map(|law| law.log_density - libm::log(unit.of_metre))
+            }
+            RangeFault::Places(unit) => {
+                let shrunk: Vec<Position> =
+                    self.receivers.iter().map(|&place| place * (1.0 / unit.of_metre)).collect();
+                of_law(self.tried(&shrunk, self.readings)?).map(|law| law.log_density)
+            }
+            RangeFault::Offset { offset_m } => {
+                let moved: Vec<TagReading> =
+                    self.readings.iter().map(|reading| with_range(reading, |range| range - offset_m)).collect();
+                of_law(self.tried(self.receivers, &moved)?).map(|law| law.log_density)
+            }
+            RangeFault::Exchanged(_) | RangeFault::Unexplained { .. } => None,
+        })
     }
 
     /// Pairs of receivers which, each in the other's place, explain the ranges clearly better: the best one, and those that explain
@@ -193,9 +243,9 @@ fn has_large_errors(law: &TrackRangeLaw, usual_m: f64) -> bool {
     law.errors.shares().wild > WILD || spread_m(law) > LARGE * usual_m
 }
 
-fn in_metres(reading: &TagReading, unit: RangeUnit) -> TagReading {
+fn with_range(reading: &TagReading, changed: impl Fn(f64) -> f64) -> TagReading {
     let value = match reading.value {
-        TagValue::Range(range) => TagValue::Range(range / unit.of_metre),
+        TagValue::Range(range_m) => TagValue::Range(changed(range_m)),
         strength @ TagValue::Strength(_) => strength,
     };
     TagReading { value, ..*reading }

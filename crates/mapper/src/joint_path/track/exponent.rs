@@ -6,8 +6,8 @@
 use sextant_kernel::{Interrupted, Watch};
 
 use super::problem::{TrackPoint, TrackProblem};
+use super::search::{LEAST_GAIN, STEPS, log_evidence};
 use super::strengths::EXPONENT;
-use super::{LEAST_GAIN, STEPS, log_evidence};
 use crate::joint_path::climb::{Hill, Top, climb};
 
 /// The search goes by this step of the logarithm of the exponent, at most so many times.

@@ -11,6 +11,8 @@ use crate::range_ml::error_law;
 /// So many moments are enough, and fewer than that say nothing.
 const MOST: usize = 40;
 const LEAST: usize = 8;
+/// Offsets are tried in so many steps, and again as many about the best one.
+const STEPS: u32 = 20;
 
 /// Moments with ranges to three receivers or more.
 #[derive(Clone, Debug)]
@@ -55,6 +57,37 @@ impl Moments {
     /// The errors at each moment of ranges of which a metre has so many units (m).
     pub(super) fn errors_in_m(&self, receivers: &[Position], of_metre: f64) -> Vec<Vec<f64>> {
         self.errors_by_m(receivers, Measure { of_metre, bias_m: self.bias_m(receivers, of_metre) })
+    }
+
+    /// The same of ranges in metres, if the places are in a unit of which a metre has so many.
+    pub(super) fn errors_shrunk_m(&self, receivers: &[Position], of_metre: f64) -> Vec<Vec<f64>> {
+        let shrunk: Vec<Position> = receivers.iter().map(|&place| place * (1.0 / of_metre)).collect();
+        Self { height_m: self.height_m / of_metre, ..self.clone() }.errors_in_m(&shrunk, 1.0)
+    }
+
+    /// The same of ranges that are all too long by so much (m).
+    pub(super) fn errors_with_offset_m(&self, receivers: &[Position], offset_m: f64) -> Vec<Vec<f64>> {
+        self.errors_by_m(receivers, Measure { of_metre: 1.0, bias_m: offset_m })
+    }
+
+    /// By how much all ranges are too long if moments agree best so (m): the nearest receiver is nearer than the receivers are apart.
+    pub(super) fn offset_m(&self, receivers: &[Position]) -> f64 {
+        let first = receivers.first().copied().unwrap_or(Position::ORIGIN);
+        let extent_m = receivers.iter().map(|place| place.distance_m(first)).fold(0.0, f64::max);
+        let shortest =
+            |moment: &Vec<(usize, f64)>| moment.iter().map(|&(_, range)| range).fold(f64::INFINITY, f64::min);
+        let shortest_m = median(&mut self.of.iter().map(shortest).collect::<Vec<_>>());
+        let fit = |offset_m: f64| log_density(&self.errors_with_offset_m(receivers, offset_m));
+        let best = |from_m: f64, step_m: f64| {
+            let tried = (0..=STEPS).map(|step| from_m - step_m * f64::from(step));
+            tried
+                .map(|offset_m| (fit(offset_m), offset_m))
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .map_or(0.0, |(_, at)| at)
+        };
+        let step_m = extent_m / f64::from(STEPS);
+        let coarse_m = best(shortest_m, step_m);
+        best(coarse_m + step_m, 2.0 * step_m / f64::from(STEPS))
     }
 
     /// The same as metres.

@@ -4,13 +4,15 @@ use nalgebra::Vector4;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
+use super::BESIDE;
 use super::epochs::Epochs;
+use super::heights::{self, Heights, tell_height};
 use super::motion::{FreeMotion, Motion};
 use super::problem::{TrackPoint, TrackProblem, path_loss};
 use super::regions::{by_place, is_among};
-use super::report::{Track, TrackFit, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+use super::report::{Track, TrackFit, TrackHeight, TrackMotion, TrackPose, TrackRangeLaw, TrackStrengthLaw};
+use super::search::Found;
 use crate::joint_path::chain::Factor;
-use crate::joint_path::climb::Top;
 
 /// Clocks of ranges and of whoever uses the track differ by about that (s).
 const CLOCK_S: f64 = 0.15;
@@ -18,19 +20,21 @@ const CLOCK_S: f64 = 0.15;
 /// The track at a top.
 pub(super) fn tracked(
     epochs: &Epochs,
-    problem: &TrackProblem<'_>,
-    top: &Top<TrackPoint>,
-    is_among_receivers: bool,
+    Found { problem, top }: &Found<'_>,
+    is_height_given: bool,
     may_be_mirrored: bool,
 ) -> Track {
     let covariances = top.curvature.as_ref().map(Factor::covariances);
     let by_place = by_place(problem, &top.point);
     let (border, at) = (&top.point.border, problem.border);
-    let height_m = border[at.height()];
+    let variances_m2 = top.curvature.as_ref().filter(|_| !is_height_given && tell_height(problem.receivers));
+    let variances_m2 =
+        variances_m2.map(|factor| problem.heights.variances(factor, epochs.times_s.len(), problem.border.height()));
     let velocities = velocities(epochs, problem, &top.point);
     let pose = |(at, (state, &time)): (usize, (&Vector4<f64>, &SimTime))| TrackPose {
         time,
-        position: Position::new(state[0], state[1], height_m),
+        position: Position::new(state[0], state[1], problem.height_m(at, border)),
+        height_variance_m2: variances_m2.as_ref().map(|of_epochs| of_epochs[at]),
         covariance: covariances.as_ref().map_or([[0.0; 2]; 2], |states| {
             let (velocity, state, more) = (velocities[at], &states[at], by_place[at]);
             let by_clock = |row: usize, column: usize| CLOCK_S * CLOCK_S * velocity[row] * velocity[column];
@@ -44,6 +48,9 @@ pub(super) fn tracked(
     let extent_m = problem.receivers.iter().map(|place| place.distance_m(problem.receivers[0])).fold(0.0, f64::max);
     let is_told =
         covariances.is_some() && 2 * poses.iter().filter(|pose| pose.spread_m() < extent_m).count() > poses.len();
+    let is_height_doubtful =
+        !is_height_given && poses.iter().any(|pose| heights::is_far(problem.receivers, pose.position.z_m));
+    let height_m = poses.iter().map(|pose| pose.position.z_m).sum::<f64>() / poses.len() as f64;
     let strengths = epochs.readings.iter().filter(|reading| reading.is_strength).count();
     let ranges = epochs.readings.len() - strengths;
     let [measured_ranges, measured_strengths] = epochs.measured;
@@ -71,9 +78,18 @@ pub(super) fn tracked(
             strengths,
             measured_ranges,
             measured_strengths,
-            is_among_receivers: is_among_receivers && is_among(problem.receivers, &track),
+            is_among_receivers: problem.calibration != BESIDE && is_among(problem.receivers, &track),
             may_be_mirrored,
             height_m,
+            is_height_doubtful,
+            height: match (problem.heights, variances_m2) {
+                _ if is_height_given => TrackHeight::Given,
+                (Heights::Wandering { .. }, _) => TrackHeight::Wandering,
+                (Heights::Constant, Some(of_epochs)) => {
+                    TrackHeight::Constant { deviation_m: of_epochs.first().map_or(0.0, |variance| variance.sqrt()) }
+                }
+                (Heights::Constant, None) => TrackHeight::OfReceivers,
+            },
             of_ranges: (ranges > 0).then_some(of_ranges),
             of_strengths,
             motion: match problem.motion {

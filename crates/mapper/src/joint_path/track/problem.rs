@@ -4,6 +4,7 @@ use nalgebra::{DVector, Vector4};
 use sextant_channel::{Position, RangeErrorLaw};
 
 use super::epochs::EpochReading;
+use super::heights::Heights;
 use super::motion::Motion;
 use super::strengths::{NEAREST_M, POWER_DBM, RECEIVER_DB, StrengthErrors};
 use crate::joint_path::chain::{ChainStep, ChainSystem};
@@ -26,38 +27,45 @@ pub(super) struct Calibration {
     pub(super) receiver_bias_m: f64,
 }
 
-/// Where the entries of the border are: the bias of each receiver (m); bias and scale of all ranges; the height of the tag (m); with
-/// odometry its scale and drift (rad/m); with strengths the power at a metre (dBm), the exponent, and the offset of each receiver (dB).
+/// Where the entries of the border are: the heights at the knots (m), if the height wanders; the bias of each receiver (m); bias and
+/// scale of all ranges; the height of the tag, or its middle (m); with odometry its scale and drift (rad/m); with strengths the power at
+/// a metre (dBm), the exponent, and the offset of each receiver (dB).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Border {
+    /// Knots of a height that wanders.
+    pub(super) knots: usize,
     pub(super) receivers: usize,
     pub(super) is_driven: bool,
     pub(super) has_strengths: bool,
 }
 
 impl Border {
+    pub(super) fn receiver(self, receiver: usize) -> usize {
+        self.knots + receiver
+    }
+
     pub(super) fn bias(self) -> usize {
-        self.receivers
+        self.receiver(self.receivers)
     }
 
     pub(super) fn scale(self) -> usize {
-        self.receivers + 1
+        self.bias() + 1
     }
 
     pub(super) fn height(self) -> usize {
-        self.receivers + 2
+        self.bias() + 2
     }
 
     pub(super) fn odometry_scale(self) -> usize {
-        self.receivers + 3
+        self.bias() + 3
     }
 
     pub(super) fn odometry_drift(self) -> usize {
-        self.receivers + 4
+        self.bias() + 4
     }
 
     pub(super) fn power(self) -> usize {
-        self.receivers + 3 + if self.is_driven { 2 } else { 0 }
+        self.bias() + 3 + if self.is_driven { 2 } else { 0 }
     }
 
     pub(super) fn exponent(self) -> usize {
@@ -89,6 +97,7 @@ pub(super) struct TrackProblem<'a> {
     pub(super) calibration: Calibration,
     /// The height of the tag that is most likely, and its standard deviation (m).
     pub(super) height_m: [f64; 2],
+    pub(super) heights: Heights<'a>,
 }
 
 /// A reading seen from a track: from the antenna to the receiver (m), the distance, and what the state's third and fourth entry add
@@ -109,13 +118,19 @@ impl Sight {
 }
 
 impl TrackProblem<'_> {
+    /// The height of the tag at an epoch (m).
+    pub(super) fn height_m(&self, epoch: usize, border: &DVector<f64>) -> f64 {
+        let entries = self.heights.entries(epoch, self.border.height());
+        entries.into_iter().map(|(entry, weight)| weight * border[entry]).sum()
+    }
+
     pub(super) fn sight(&self, reading: &EpochReading, at: &TrackPoint) -> Sight {
         let (antenna, by_rest) = self.motion.antenna(&at.states[reading.epoch], reading.after_s, reading.offset);
         let receiver = self.receivers[reading.receiver];
         let apart = [
             receiver.x_m - antenna[0],
             receiver.y_m - antenna[1],
-            receiver.z_m - (at.border[self.border.height()] + reading.up_m),
+            receiver.z_m - (self.height_m(reading.epoch, &at.border) + reading.up_m),
         ];
         let distance_m = (apart.iter().map(|along| along * along).sum::<f64>() + 1e-12).sqrt();
         Sight { apart, distance_m, by_rest }
@@ -135,7 +150,7 @@ impl TrackProblem<'_> {
             return reading.value - (border[at.power()] + border[at.offset(reading.receiver)] - lost_db);
         }
         let longer = 1.0 + border[at.scale()];
-        reading.value - longer * sight.distance_m - border[at.bias()] - border[reading.receiver]
+        reading.value - longer * sight.distance_m - border[at.bias()] - border[at.receiver(reading.receiver)]
     }
 
     /// The errors of all ranges (m), or of all strengths (dB), each with its receiver.
@@ -145,10 +160,18 @@ impl TrackProblem<'_> {
         readings.map(|reading| (reading.receiver, error(reading))).collect()
     }
 
+    /// What the widths of priors that are chosen add to the logarithm of the marginal likelihood.
+    pub(super) fn log_widths(&self) -> f64 {
+        let Calibration { bias_m, scale, receiver_bias_m } = self.calibration;
+        let of_receivers = self.border.receivers as f64 * libm::log(receiver_bias_m);
+        self.motion.log_widths() + self.heights.log_widths() - libm::log(bias_m * scale) - of_receivers
+    }
+
     fn priors(&self) -> impl Iterator<Item = (usize, f64, f64)> {
         let Calibration { bias_m, scale, receiver_bias_m } = self.calibration;
         let border = self.border;
-        let of_receivers = (0..border.receivers).map(move |receiver| (receiver, 0.0, receiver_bias_m));
+        let of_receivers =
+            (0..border.receivers).map(move |receiver| (border.receiver(receiver), 0.0, receiver_bias_m));
         let [height_m, deviation_m] = self.height_m;
         let of_ranges = of_receivers.chain([
             (border.bias(), 0.0, bias_m),
@@ -178,6 +201,7 @@ impl Hill for TrackProblem<'_> {
             value += self.strengths.worth * errors.map(|(_, db)| self.strengths.log_density(db)).sum::<f64>();
         }
         value += self.motion.value(&at.states, &at.border);
+        value += self.heights.value(&at.border, self.border.height());
         for (entry, mean, deviation) in self.priors() {
             value -= 0.5 * ((at.border[entry] - mean) / deviation).powi(2);
         }
@@ -192,13 +216,17 @@ impl Hill for TrackProblem<'_> {
             let sight = self.sight(reading, at);
             let error = self.error(reading, &sight, &at.border);
             let (apart, distance_m) = (sight.apart, sight.distance_m);
+            let heights = self.heights.entries(reading.epoch, border.height());
+            let by_heights = |nearer: f64| heights.map(|(entry, weight)| (entry, weight * nearer * apart[2]));
             if reading.is_strength {
                 let nearer = -self.db_per_m(distance_m, at) / distance_m;
+                let [height, next] = by_heights(nearer);
                 let by_border = [
                     (border.power(), -1.0),
                     (border.offset(reading.receiver), -1.0),
                     (border.exponent(), path_loss(distance_m)),
-                    (border.height(), nearer * apart[2]),
+                    height,
+                    next,
                 ];
                 let (weight, slope) = (
                     self.strengths.worth * self.strengths.stiffness(error),
@@ -209,16 +237,19 @@ impl Hill for TrackProblem<'_> {
             }
             let density = law.density(error);
             let longer = (1.0 + at.border[border.scale()]) / distance_m;
+            let [height, next] = by_heights(longer);
             let by_border = [
-                (reading.receiver, -1.0),
+                (border.receiver(reading.receiver), -1.0),
                 (border.bias(), -1.0),
                 (border.scale(), -distance_m),
-                (border.height(), longer * apart[2]),
+                height,
+                next,
             ];
             let (weight, slope) = (self.worth * density.stiffness, self.worth * density.by_error);
             system.add(reading.epoch, sight.by_state(longer), None, &by_border, weight, slope);
         }
         self.motion.add(&mut system, &at.states, &at.border);
+        self.heights.add(&mut system, &at.border, border.height());
         for (entry, mean, deviation) in self.priors() {
             system.add_to_border(entry, entry, deviation.powi(-2));
             system.border_slope[entry] -= (at.border[entry] - mean) / deviation.powi(2);

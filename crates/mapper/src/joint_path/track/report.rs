@@ -14,6 +14,8 @@ pub struct TrackPose {
     pub position: Position,
     /// Covariance of x and y (m²). It holds errors of ranges that stay the same for a while, and a clock that is wrong by 0.15 s.
     pub covariance: [[f64; 2]; 2],
+    /// Variance of its height (m²), if that is estimated.
+    pub height_variance_m2: Option<f64>,
     /// Velocity along x and y (m/s).
     pub velocity_m_per_s: [f64; 2],
 }
@@ -45,16 +47,42 @@ pub struct Track {
 pub enum RangeFault {
     /// They fit clearly better in this unit than as metres.
     Unit(RangeUnit),
+    /// They fit clearly better if the known places are in this unit.
+    Places(PlaceUnit),
+    /// They fit clearly better if all are too long by far more than devices are without a calibration.
+    Offset {
+        /// By how much (m).
+        offset_m: f64,
+    },
     /// They fit clearly better with two receivers in each other's place, by number: their names or their known places are exchanged. The
     /// pair that fits best, and others that fit about as well.
     Exchanged(Vec<[usize; 2]>),
-    /// They are usually so far off that no device is, and neither of these is why.
+    /// They are usually so far off that no device is, and none of these is why.
     Unexplained {
         /// By how much (m).
         usually_m: f64,
         /// The receivers without which the others agree much better, most first.
         receivers: Vec<usize>,
     },
+}
+
+/// A unit in which known places may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaceUnit {
+    /// Its name.
+    pub name: &'static str,
+    /// How many of it are a metre.
+    pub of_metre: f64,
+}
+
+impl PlaceUnit {
+    /// Those other than metres.
+    pub(super) const OTHERS: [Self; 4] = [
+        Self { name: "millimetres", of_metre: 1000.0 },
+        Self { name: "centimetres", of_metre: 100.0 },
+        Self { name: "feet", of_metre: 3.281 },
+        Self { name: "kilometres", of_metre: 0.001 },
+    ];
 }
 
 /// A receiver whose ranges fit a track clearly worse than those of the others: it is elsewhere, or they are not its ranges.
@@ -84,8 +112,12 @@ pub struct TrackFit {
     /// Whether the receivers are on a line, and nothing says on which side of it the tag is: then the mirror image of the track is as
     /// good.
     pub may_be_mirrored: bool,
-    /// The height of the tag (m).
+    /// The mean height of the tag (m).
     pub height_m: f64,
+    /// How that is known.
+    pub height: TrackHeight,
+    /// Whether an estimated height is so far from those of the receivers that it rather stands for another error.
+    pub is_height_doubtful: bool,
     /// The law of ranges, if there are any.
     pub of_ranges: Option<TrackRangeLaw>,
     /// The law of strengths, if there are any.
@@ -94,6 +126,22 @@ pub struct TrackFit {
     pub motion: TrackMotion,
     /// Whether the search ended by itself, and tells most places better than that they are about the receivers.
     pub settled: bool,
+}
+
+/// How the height of a tag is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TrackHeight {
+    /// It was given.
+    Given,
+    /// It is taken for that of the receivers, which are all on one level.
+    OfReceivers,
+    /// One for all times, which is estimated.
+    Constant {
+        /// Its standard deviation (m).
+        deviation_m: f64,
+    },
+    /// It is estimated over time.
+    Wandering,
 }
 
 /// What was learned of ranges.
@@ -115,9 +163,9 @@ impl TrackRangeLaw {
     /// Whether bias or scale is far beyond what devices have.
     #[must_use]
     pub fn is_beyond_prior(&self) -> bool {
-        const FAR: f64 = 3.0;
-        let super::Calibration { bias_m, scale, .. } = super::AMONG;
-        self.bias_m.abs() > FAR * bias_m || self.scale.abs() > FAR * scale
+        const FAR_M: f64 = 9.0;
+        const FAR: f64 = 0.1;
+        self.bias_m.abs() > FAR_M || self.scale.abs() > FAR
     }
 }
 
