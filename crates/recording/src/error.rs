@@ -77,6 +77,12 @@ pub enum RecordingError {
         /// What it is.
         seen: String,
     },
+    /// The file has no octet.
+    #[error("`{}` is empty, so there is nothing to read or to recover; record or copy it again", .path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file is damaged or incomplete.
     #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies all that can be read", .path.display())]
     Broken {
@@ -157,6 +163,7 @@ impl From<McapFileError> for RecordingError {
     fn from(error: McapFileError) -> Self {
         match error {
             McapFileError::Read { path, why } => Self::Read { path, why },
+            McapFileError::Empty { path } => Self::Empty { path },
             McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
         }
     }

@@ -96,6 +96,7 @@ impl From<McapFileError> for BagError {
     fn from(error: McapFileError) -> Self {
         match error {
             McapFileError::Read { path, why } => Self::Read { path, why },
+            McapFileError::Empty { path } => Self::Read { path, why: "it is empty".to_owned() },
             McapFileError::NotMcap { path, seen } => Self::NotMcap { path, seen },
         }
     }
