@@ -8,6 +8,18 @@ pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
+/// "is" of one, "are" of several.
+#[must_use]
+pub const fn are(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
+}
+
+/// "counts" of one, "count" of several.
+#[must_use]
+pub const fn counts(count: usize) -> &'static str {
+    if count == 1 { "counts" } else { "count" }
+}
+
 /// Of a list of names, at most this many are printed.
 const MOST_NAMES: usize = 10;
 

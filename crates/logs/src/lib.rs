@@ -45,6 +45,7 @@ pub use error::log_part::{LogPart, RowAddress};
 pub use error::path_error::PathError;
 pub use error::robot_log_error::RobotLogError;
 pub use error::sniffer_error::SnifferError;
+pub use log::file_names::INCOMPLETE;
 pub use log::memory_log::MemoryLog;
 pub use log::names::Names;
 pub use log::part_name::is_part_of_log;

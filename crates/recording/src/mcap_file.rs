@@ -31,6 +31,12 @@ pub enum McapFileError {
         /// The system's answer.
         why: String,
     },
+    /// The file has no octet.
+    #[error("`{}` is empty, so there is nothing to read or to recover; record or copy it again", .path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file is of another format.
     #[error("`{}` is not an MCAP file, but {seen}", .path.display())]
     NotMcap {
@@ -106,7 +112,7 @@ pub fn is_mcap(path: &Path) -> bool {
 /// checksum are skipped. Returns the damage that ended the reading, if any.
 ///
 /// # Errors
-/// If the file cannot be read or is of another format, or the first error of `visit`.
+/// If the file cannot be read, is empty or is of another format, or the first error of `visit`.
 pub fn scan<E: From<McapFileError>>(
     path: &Path,
     visit: &mut dyn FnMut(Piece<'_>) -> Result<(), E>,
@@ -114,8 +120,12 @@ pub fn scan<E: From<McapFileError>>(
     let unreadable = |why: String| E::from(McapFileError::Read { path: path.to_owned(), why });
     let failed = |why: std::io::Error| unreadable(why.to_string());
     let file = File::open(path).map_err(failed)?;
-    if file.metadata().map_err(failed)?.is_dir() {
+    let metadata = file.metadata().map_err(failed)?;
+    if metadata.is_dir() {
         return Err(unreadable("it is a folder; a recording is one file (MCAP)".to_owned()));
+    }
+    if metadata.is_file() && metadata.len() == 0 {
+        return Err(McapFileError::Empty { path: path.to_owned() }.into());
     }
     let mut source = BufReader::new(file);
     let options = LinearReaderOptions::default()

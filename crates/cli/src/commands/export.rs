@@ -5,13 +5,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sextant::columns::{Align, columns};
-use sextant::export::{ExportFormat, ExportedTable, FailedFile, export};
+use sextant::export::{ExportFormat, ExportedTable, FailedFile, INCOMPLETE, export};
 use sextant_kernel::text::{counted, listed};
 use sextant_recording::admission::{Replace, admit_folder};
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{stdout, warn};
+use crate::terminal::{say, stdout, warn};
 
 /// Arguments of `sextant export`.
 #[derive(Clone, Debug, Args)]
@@ -64,6 +64,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     columns(&rows, &[Align::Left, Align::Right, Align::Left], &mut stdout)?;
     for file in &exported.files {
         writeln!(stdout, "{}", file.display())?;
+    }
+    if let Some(concern) = &exported.concern {
+        say(&format!("note: {concern}; `{INCOMPLETE}` in the folder says so too"));
     }
     for FailedFile { name, why } in &exported.failed {
         warn(&format!("the file `{}` of the recording cannot be written: {why}", name.escape_debug()));

@@ -11,7 +11,7 @@ use super::options::PictureFormat;
 use super::outputs::{Replacing, admit, reads_given};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::stdout;
+use crate::terminal::{say, stdout};
 use sextant::Scenario;
 use sextant::export::station_names;
 use sextant_figure::{self as figure, Figure, Layout, PacketSource, Source, TimeWindow};
@@ -106,6 +106,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             format!("`{}` has no maps, stops, sinks, targets or fields, so there is nothing to draw", path.display()),
             "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",
         ));
+    }
+    if let Some(concern) = run.concern() {
+        say(&format!("note: {concern}"));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::options::Printing;
+use super::options::{Printing, start_threads, threads};
 use super::reading::Reading;
 use super::with_flags;
 use crate::diagnostic::Failure;
@@ -21,6 +21,9 @@ pub(crate) struct Arguments {
     /// what corrects it
     #[arg(value_name = "LOG")]
     pub(crate) log: PathBuf,
+    /// Number of threads [default: one per core]. The results do not depend on it
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
     /// How results are printed.
     #[command(flatten)]
     pub(crate) printing: Printing,
@@ -47,6 +50,7 @@ struct Inside {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    start_threads(arguments.threads)?;
     let (path, options) = (&arguments.log, arguments.reading.options());
     let Some(source) = Source::of(path) else {
         robot_log::refuse_options(path, &options)?;

@@ -103,7 +103,18 @@ impl Results {
     }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+/// Starts so many threads, or one per core. Call it once per process.
+pub(super) fn start_threads(threads: Option<usize>) -> Result<(), Failure> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|error| Failure::failed(format!("{threads} threads cannot be started: {error}")))
+}
+
+pub(super) fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|number| (1..=MOST_THREADS).contains(number));
     number.ok_or_else(|| format!("expected 1 to {MOST_THREADS}"))
 }
@@ -122,13 +133,7 @@ pub(crate) struct Work {
 impl Work {
     /// Starts the threads. Call it once per process.
     pub(super) fn start_threads(self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else {
-            return Ok(());
-        };
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .map_err(|error| Failure::failed(format!("{threads} threads cannot be started: {error}")))
+        start_threads(self.threads)
     }
 
     /// Prints a note on standard error, unless `--quiet` is given.

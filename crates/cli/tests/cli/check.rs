@@ -66,6 +66,14 @@ fn many_mistakes_are_printed_at_once_in_the_order_of_the_file() {
 }
 
 #[test]
+fn a_wrong_duration_alone_is_blamed() {
+    let text = LINE.replace("name = \"line\"", "name = \"line\"\nduration_s = -1\nwarm_up_s = 5");
+    let (code, _, said) = told(&text, &["check", "a.toml"]).all();
+    assert!(code == 2 && said.contains("`duration_s` is -1"), "{said}");
+    assert!(!said.contains("`warm_up_s` is 5"), "{said}");
+}
+
+#[test]
 fn the_ranges_are_those_of_the_closed_form() {
     let forecast = forecast(LINE);
     let range = &forecast["networks"][0]["range"];

@@ -130,6 +130,7 @@ fn wrong_ends_of_a_link_are_refused() {
         ("n0", "n0", "named twice"),
         ("1,2", "1,2,0", "same place"),
         ("n0", "nan,0", "finite"),
+        ("n0", "1,2,3,4", "`1,2,3,4` is not a place"),
     ] {
         let told = told(&["explain-link", &file, a, b]).expect_err("no link");
         assert!(told.replace("\n  │ ", " ").contains(why), "{a} {b}: {told}");

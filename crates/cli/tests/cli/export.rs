@@ -35,8 +35,12 @@ fn the_tables_of_a_survey_map_as_the_recording_does() {
     }
     let map = |log: &Path, out: &Path| {
         let mut command = sextant();
-        command.args(["map", "--quiet", "--algorithm", "ml-tm"]).arg(log).arg("--out").arg(out);
-        succeeds(&mut command);
+        command.args(["map", "--algorithm", "ml-tm"]).arg(log).arg("--out").arg(out);
+        let output = command.output().expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && !said.contains("ignored columns") && !said.contains("`sent`"), "{said}");
+        let is_by_stops = String::from_utf8_lossy(&output.stdout).contains("straight from stop to stop");
+        assert_eq!(is_by_stops, log.is_dir(), "tables have no path");
         fs::read_to_string(out).expect("a map")
     };
     let (first, second) = (map(&path("run.mcap"), &path("a.csv")), map(&path("tables"), &path("b.csv")));
@@ -86,6 +90,43 @@ fn a_broken_recording_leaves_no_table() {
     let before = contents();
     assert_eq!(export(&path("cut.mcap"), &path("tables"), &["--force"]).status.code(), Some(2));
     assert_eq!(contents(), before);
+}
+
+/// A recording of a survey with a damaged chunk, which was recovered.
+fn record_with_losses(folder: &Path) -> std::path::PathBuf {
+    let path = |name: &str| folder.join(name);
+    let mut run = sextant();
+    run.args(["run", "--quiet", "--set", "recording.frames=true"]).arg(scenario("smoke.toml"));
+    succeeds(run.arg("--out").arg(path("run.mcap")));
+    let mut octets = fs::read(path("run.mcap")).expect("a recording");
+    let middle = octets.len() / 2;
+    octets[middle] ^= 1;
+    fs::write(path("broken.mcap"), &octets).expect("there is room");
+    succeeds(sextant().arg("recover").arg(path("broken.mcap")).arg("--out").arg(path("good.mcap")));
+    path("good.mcap")
+}
+
+#[test]
+fn whatever_reads_a_recovered_recording_says_that_it_is_incomplete() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let good = record_with_losses(folder.path());
+    let tables = folder.path().join("tables");
+    let exported = export(&good, &tables, &[]);
+    let is_told = |output: &Output| {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains("note: ") && said.contains("recovered"), "{said}");
+    };
+    is_told(&exported);
+    let text = fs::read_to_string(tables.join("incomplete.txt")).expect("a file that says so");
+    assert!(text.contains("recovered"), "{text}");
+    let mut map = sextant();
+    is_told(&map.arg("map").arg(&tables).args(["--algorithm", "packet-centroid"]).output().expect("it starts"));
+    let figures = folder.path().join("figures");
+    is_told(&sextant().arg("figure").arg(&good).arg("--out").arg(&figures).output().expect("it starts"));
+    // A whole recording has no such file.
+    let whole = folder.path().join("whole");
+    assert!(export(&folder.path().join("run.mcap"), &whole, &[]).status.success());
+    assert!(!whole.join("incomplete.txt").exists());
 }
 
 #[test]

@@ -67,7 +67,10 @@ fn plans_that_cannot_be_read_say_why() {
         (&["room.pgm", "--scale", "0"], "option `scale` is 0; allowed: a number of metres above 0"),
         (&["room.pgm", "--scale", "0.05", "--material", "cheese"], "cheese; allowed: \"concrete\""),
         (&["room.pgm", "--scale", "0.05", "--origin", "1"], "`--origin` has 1 numbers; allowed: two"),
-        (&["white.pgm", "--scale", "0.05"], "has no walls"),
+        (
+            &["white.pgm", "--scale", "0.05"],
+            "pixels darker than 128 of 255 are walls; 0.0 % of the pixels are at 128 to 191",
+        ),
         (&["room.bmp"], "is not a floor plan that can be read; allowed: an image (.png, .pgm)"),
         (&["none.png", "--scale", "0.05"], "cannot read `none.png`"),
         (&["hall.dxf"], "does not say the unit of its lengths ($INSUNITS): option `unit` says it"),

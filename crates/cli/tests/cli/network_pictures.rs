@@ -245,6 +245,28 @@ fn a_time_line_follows_the_packet_over_most_hops_through_its_slots() {
     }
 }
 
+/// Living nodes of a depth with a way.
+fn with_way(nodes: &Value) -> u64 {
+    nodes.get("with_way").unwrap_or(&nodes["nodes"]).as_u64().expect("a count")
+}
+
+#[test]
+fn figures_say_what_is_of_each_hop_and_draw_the_delay_end_to_end() {
+    let run = Recorded::of("routing/given-tree.toml", &["recording.packets=true"]);
+    let drawn = run.figure(&[]);
+    assert!(drawn.contains("delay-end-to-end.svg"), "{drawn}");
+    let routing = &run.summary["routing"];
+    let (delivered, delay_s) = (&routing["delivered"], routing["delay_s"]["p50"].as_f64().expect("a delay"));
+    let end_to_end = run.picture("delay-end-to-end.svg");
+    let said = format!("{delivered} packets delivered, median {:.1} ms", 1e3 * delay_s);
+    assert!(end_to_end.contains(&said), "{said}: {end_to_end}");
+    for name in ["delay-cdf.svg", "outcomes-by-node.svg", "outcomes-over-time.svg"] {
+        assert!(run.picture(name).contains("packets on each hop"), "{name}");
+    }
+    let star = Recorded::of("mac/packet-trace.toml", &[]);
+    assert!(!star.figure(&[]).contains("delay-end-to-end") && !star.picture("delay-cdf.svg").contains("hop"));
+}
+
 /// The packets of those behind it have no way any more.
 #[test]
 fn a_node_that_dies_by_a_fault_is_dead_in_the_tree_and_in_the_shares() {
@@ -260,7 +282,15 @@ fn a_node_that_dies_by_a_fault_is_dead_in_the_tree_and_in_the_shares() {
     let died: Vec<_> = run.table("routing_tree").into_iter().map(|edge| edge["died_s"].clone()).collect();
     assert_eq!(died, ["", "60", "", "", "", "", ""]);
     run.figure(&[]);
-    assert!(run.picture("tree.svg").contains("7 nodes, 1.0 hops in the mean, 1 at most, 5 without a way, 1 dead"));
+    assert!(
+        run.picture("tree.svg")
+            .contains("7 nodes, 1 with a way: 1.0 hops in the mean, 1 at most, 5 without a way, 1 dead")
+    );
+    // The summary has the same: the dead node stands where it was, and has no way.
+    let routing = &run.summary["routing"];
+    assert_eq!((&routing["depth"], &routing["without_way"]), (&1.into(), &5.into()));
+    let with_way: Vec<u64> = routing["by_depth"].as_array().expect("rows").iter().map(with_way).collect();
+    assert_eq!(with_way, [1, 0, 0, 0, 0, 0, 0]);
     let died = run.summary["mac"]["died"].as_u64().expect("a count");
     assert!(died > 0 && run.picture("outcomes-by-node.svg").contains(&format!("node died: {died}")));
 }

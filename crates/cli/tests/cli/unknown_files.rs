@@ -91,6 +91,28 @@ fn files_that_are_no_log_are_told_by_all_commands_that_read_logs() {
 }
 
 #[test]
+fn empty_recordings_and_tables_without_rows_are_told_by_all_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("z.mcap"), "").unwrap();
+    std::fs::write(path("t.csv"), "cell,replicate,seed,map,error,sweep\n").unwrap();
+    let (good, out) = (path("good.mcap"), path("out"));
+    for (words, why) in [
+        (["inspect", &path("z.mcap"), "--threads", "1"], "is empty"),
+        (["figure", &path("z.mcap"), "--out", &out], "is empty"),
+        (["export", &path("z.mcap"), "--out", &out], "is empty"),
+        (["recover", &path("z.mcap"), "--out", &good], "is empty"),
+        (["figure", &path("t.csv"), "--out", &out], "has no rows"),
+        (["report", &path("t.csv"), "--out", &path("t.html")], "has no rows"),
+    ] {
+        let (code, _, message) = run(&words).all();
+        assert!(code == 2 && message.contains(why), "{words:?}: {code}: {message}");
+    }
+    let files = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(files, 2, "nothing is written");
+}
+
+#[test]
 fn parts_of_logs_and_true_positions_that_are_other_files_are_told_too() {
     let folder = folder(&[
         ("path.csv", "t_s,x_m,y_m\n0,0,0\n9,9,0\n"),

@@ -14,6 +14,9 @@ pub(crate) const ODOMETRY: &str = "odometry.csv";
 /// Where tags are on a robot.
 pub(crate) const TAGS: &str = "tags.csv";
 
+/// What is missing in an exported recording that is incomplete, in a sentence.
+pub const INCOMPLETE: &str = "incomplete.txt";
+
 /// The true places of nodes, and other names of them: for scores only.
 pub(crate) const NODES: &str = "nodes.csv";
 pub(crate) const NAMES: &str = "names.csv";

@@ -2,7 +2,7 @@
 
 mod companions;
 mod drive;
-mod file_names;
+pub(crate) mod file_names;
 mod form;
 mod layout;
 pub(crate) mod memory_log;

@@ -2,12 +2,14 @@
 
 use std::path::Path as FilePath;
 
+use sextant_kernel::text::shortened;
 use sextant_kernel::{FileForm, seen};
 use sextant_recording::admission::OutputKind;
 use sextant_recording::mcap_file::is_mcap;
 
 use super::companions::Companions;
 use super::drive;
+use super::file_names::INCOMPLETE;
 use super::form::{self, Form};
 use super::layout::Layout;
 use super::memory_log::MemoryLog;
@@ -195,7 +197,15 @@ fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLo
         Layout::StopFiles { folder, files, content } => stop_log::read_stop_files(folder, files, *content, options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
-    Ok(noted(log, options))
+    Ok(incomplete(noted(log, options), path))
+}
+
+/// The log with what is missing in it, if its folder says so.
+fn incomplete(mut log: RobotLog, path: &FilePath) -> RobotLog {
+    if let Ok(text) = std::fs::read_to_string(path.join(INCOMPLETE)) {
+        log.notes.insert(0, format!("{INCOMPLETE}: {}", shortened(text.trim())));
+    }
+    log
 }
 
 /// The log with what the user should know of the options.

@@ -1,7 +1,7 @@
 //! Ranges that came one by one, on the paths of robots.
 
 use sextant_channel::{Mounting, RangeSample};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{are, counted, counts};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::path::robot_path::Path;
@@ -56,14 +56,16 @@ impl PathRanges {
     pub(super) fn finish(mut self, notes: &mut Vec<String>) -> Vec<RangeSample> {
         if self.failed > 0 {
             notes.push(format!(
-                "{} without a number, or of exactly 0, count as failed tries",
-                counted(self.failed, "range")
+                "{} without a number, or of exactly 0, {} as failed tries",
+                counted(self.failed, "range"),
+                counts(self.failed)
             ));
         }
         if self.outside > 0 {
-            let ranges = counted(self.outside, "range");
-            notes
-                .push(format!("{ranges} from before the path begins, after it ends or from gaps of it are not used"));
+            let (ranges, are) = (counted(self.outside, "range"), are(self.outside));
+            notes.push(format!(
+                "{ranges} from before the path begins, after it ends or from gaps of it {are} not used"
+            ));
         }
         self.samples.sort_by_key(|sample| sample.time);
         self.samples

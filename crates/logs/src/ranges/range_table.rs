@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use sextant_channel::{Mounting, Position, RangeSample, ReceptionLog, Stop};
-use sextant_kernel::text::counted;
+use sextant_kernel::text::{are, counted, counts};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::levers::Levers;
@@ -128,15 +128,16 @@ pub(crate) fn read(
     let nodes = read.samples.iter().map(|sample| sample.node).collect::<std::collections::BTreeSet<_>>().len();
     notes.push(format!("{name}: {} to {}", counted(read.samples.len(), "range"), counted(nodes, "node")));
     if failed > 0 {
-        notes.push(format!("{name}: {} without a range count as failed tries", counted(failed, "row")));
+        notes.push(format!("{name}: {} without a range {} as failed tries", counted(failed, "row"), counts(failed)));
     }
     if zero > 0 {
-        notes.push(format!("{name}: {} of exactly 0 count as failed tries", counted(zero, "range")));
+        notes.push(format!("{name}: {} of exactly 0 {} as failed tries", counted(zero, "range"), counts(zero)));
     }
     if outside > 0 {
         notes.push(format!(
-            "{name}: {} from before the path begins, after it ends or from gaps of it are not used",
-            counted(outside, "range")
+            "{name}: {} from before the path begins, after it ends or from gaps of it {} not used",
+            counted(outside, "range"),
+            are(outside)
         ));
     }
     notes.extend(odd_values::notes(&name, &read.samples));

@@ -120,7 +120,8 @@ pub(crate) fn open<'a>(
         source,
         KnownColumns { required, optional: &optional, names: &names, others: Others::Ignored },
     )?;
-    notes.extend(table.notes());
+    // The link quality of IEEE 802.15.4, which exported recordings have: it is a function of the strength.
+    notes.extend(table.notes_besides(&["lqi"]));
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
     let (node, stop) = ends(&table, &stops.name, form.reciprocal)?;
     let [sector, level, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));

@@ -203,8 +203,8 @@ impl Output<'_> {
         }
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         match folder.is_dir() {
-            _ if self.name.is_empty() => Ok(()),
             true => try_folder(folder).map_err(|error| error.to_string()),
+            false if self.name.is_empty() => Ok(()),
             false => Err(format!("there is no folder `{}`", folder.display())),
         }
     }
@@ -250,6 +250,15 @@ mod tests {
             .reads(&folder.join("a.toml"))
             .writes("--out", &folder.join(out), OutputKind::Map)
             .admit()
+    }
+
+    /// No file can be made there, not even by the administrator.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_file_is_refused_before_anything_is_said_of_it() {
+        let mut outputs = Outputs::new(Replace::Any);
+        outputs.writes("", Path::new("/proc/version"), OutputKind::Picture);
+        assert!(matches!(outputs.admit(), Err(OutputRefusal::Place { .. })), "{:?}", outputs.admit());
     }
 
     #[test]

@@ -11,8 +11,8 @@ use super::antenna_text;
 use super::error::RecordingError;
 use super::messages;
 use crate::mcap_file::Piece;
-use crate::messages::names::{GAP_METADATA, LogTopics};
-use crate::reader::run::sound;
+use crate::messages::names::{GAP_METADATA, LogTopics, RECOVERED_METADATA};
+use crate::reader::run::{concern, sound};
 use declared::Columns;
 use prost::Message as _;
 
@@ -23,6 +23,8 @@ pub use row::{Cell, CellKind, TableColumn, TableRow};
 pub struct LeftOut {
     /// Topics that are no tables, such as meshes of obstacles.
     pub topics: BTreeSet<String>,
+    /// What the user should know if the recording is incomplete: how many stops are missing, and whether it was recovered.
+    pub concern: Option<String>,
 }
 
 /// What is in a recording, in the order of the file.
@@ -71,9 +73,16 @@ pub fn read_tables(
             reading.logs.values_mut().for_each(LogTables::gap);
             Ok(())
         }
+        Piece::Metadata(record) if record.name == RECOVERED_METADATA => {
+            reading.recovered = Some(record.metadata.clone());
+            Ok(())
+        }
         Piece::Header { .. } | Piece::Metadata(_) => Ok(()),
     })?;
-    Ok(reading.left_out)
+    reading.logs.values_mut().for_each(LogTables::gap);
+    let missing_stops = reading.logs.values().map(|log| log.missing_stops).sum();
+    let concern = concern(missing_stops, reading.recovered.as_ref());
+    Ok(LeftOut { concern, ..reading.left_out })
 }
 
 /// Name of the file with the robots' antenna: that of the folder of a log.
@@ -127,6 +136,8 @@ struct Reading {
     logs: BTreeMap<Option<String>, LogTables>,
     columns: Columns,
     left_out: LeftOut,
+    /// How the recording was damaged, if it was recovered.
+    recovered: Option<BTreeMap<String, String>>,
 }
 
 /// The log of a network, while its tables are read.
@@ -138,6 +149,10 @@ struct LogTables {
     last: Option<u32>,
     /// Whether messages are missing.
     has_gap: bool,
+    /// The number of the next stop in the file.
+    next: u32,
+    /// Number of stops that are left out, or are missing between others.
+    missing_stops: usize,
 }
 
 /// A stop of which receptions are missing.
@@ -152,7 +167,7 @@ struct OpenStop {
 impl LogTables {
     /// Messages are missing here: a stop that is not complete is left out.
     fn gap(&mut self) {
-        self.open = None;
+        self.missing_stops += usize::from(self.open.take().is_some());
         self.has_gap = true;
     }
 
@@ -179,7 +194,10 @@ impl Reading {
                 let stop = messages::StopMessage::decode(message.data).map_err(|why| why.to_string())?;
                 let row = self.columns.row("Stop", message, &self.names)?.map(TableRows::from);
                 let open = OpenStop { stop: stop.stop, owed: stop.receptions, row, receptions: Vec::new() };
-                self.log(message).open = Some(open);
+                let log = self.log(message);
+                log.missing_stops += open.stop.saturating_sub(log.next) as usize;
+                log.next = open.stop.saturating_add(1);
+                log.open = Some(open);
                 return Ok(self.closed(message));
             }
             "sextant.Reception" => {
@@ -248,7 +266,10 @@ impl Reading {
         let columns = declared::reception_columns();
         let cells: Vec<Vec<Cell>> = if is_first {
             let silent = |name: &String| {
-                let mut cells = vec![Cell::Text(name.clone()), Cell::Integer(stop.into()), Cell::Integer(0)];
+                // A silent node is silence of one packet, as at the stops where it has no row.
+                let counts = [Cell::Integer(0), Cell::Integer(1)];
+                let mut cells: Vec<Cell> = [Cell::Text(name.clone()), Cell::Integer(stop.into())].into();
+                cells.extend(counts);
                 cells.resize(columns.len(), Cell::Missing);
                 cells
             };

@@ -12,7 +12,7 @@ const filled = (columns, count) => columns.filter((column) => Array.from({ lengt
 function depthTable(list) {
   const column = (title, of, text) => ({ title, of: (row) => of(list[row]), text });
   return dataTable("Nodes by hops to a sink", filled([
-    column("Hops", (one) => one.depth ?? NaN), column("Nodes", (one) => one.nodes), column("Offered", (one) => one.offered), column("Delivered", (one) => one.delivered),
+    column("Hops", (one) => one.depth ?? NaN), column("Nodes", (one) => one.nodes), column("With a way", (one) => one.with_way ?? one.nodes), column("Offered", (one) => one.offered), column("Delivered", (one) => one.delivered),
     column("Delivery", (one) => one.delivery, percent), column("Mean delay (s)", (one) => one.delay_s), column("Energy of a node (J)", (one) => one.energy_j),
     column("For sending (J)", (one) => one.energy_tx_j), column("Empty batteries", (one) => one.depleted),
     column("Shortest lifetime (d)", (one) => one.lifetime_d?.min), column("Median lifetime (d)", (one) => one.lifetime_d?.median),

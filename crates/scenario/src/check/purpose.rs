@@ -9,10 +9,14 @@ use super::errors::Errors;
 use super::networks::Networks;
 use crate::config::ScenarioConfig;
 
+/// How long a simulation may be (s).
+const DURATIONS_S: [f64; 2] = [1e-6, 1e7];
+
 /// When the simulation ends, if not with the survey.
 pub(super) fn check_duration(config: &ScenarioConfig, errors: &mut Errors) -> Option<Duration> {
     let duration = config.duration_s.and_then(|duration_s| {
-        let checked = SettingError::in_range("duration_s", duration_s, 1e-6, 1e7).map(Duration::from_secs_f64);
+        let [least, most] = DURATIONS_S;
+        let checked = SettingError::in_range("duration_s", duration_s, least, most).map(Duration::from_secs_f64);
         errors.take("", checked)
     });
     // Without a survey, maps need no more than the names of the nodes.
@@ -31,6 +35,8 @@ pub(super) fn check_warm_up(config: &ScenarioConfig, networks: &Networks<'_>, er
         Some(_) if networks.sweep_sectors() => {
             Err(SettingError::conflict("warm_up_s", "`mac.sector_sweep`", "remove it, because all sweeps count"))
         }
+        // The error is that of the duration.
+        Some(duration_s) if !(DURATIONS_S[0]..=DURATIONS_S[1]).contains(&duration_s) => return Duration::ZERO,
         Some(duration_s) if !(warm_up_s >= 0.0 && warm_up_s < duration_s) => {
             Err(SettingError::new("warm_up_s", warm_up_s, format!("0 to less than `duration_s`, {duration_s}")))
         }

@@ -13,9 +13,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sextant_kernel::Watch;
 use sextant_recording::output::{FileIdentity, open_folder, write_file};
-use sextant_recording::{RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
+use sextant_recording::{LeftOut, RecordingError, SCENARIO_ATTACHMENT, TablePiece, TableRow, read_tables, station};
 
 pub use error::ExportError;
+pub use sextant_logs::INCOMPLETE;
 use stage::Stage;
 pub use stations::station_names;
 
@@ -43,6 +44,8 @@ pub struct Exported {
     pub failed: Vec<FailedFile>,
     /// Topics that are no tables, such as meshes of obstacles.
     pub left_out: BTreeSet<String>,
+    /// What the user should know if the recording is incomplete. [`INCOMPLETE`] has it too.
+    pub concern: Option<String>,
     /// Other files in the folder, which were there before.
     pub stayed: Vec<PathBuf>,
 }
@@ -105,7 +108,7 @@ pub fn export(path: &Path, folder: &Path, format: ExportFormat, watch: &dyn Watc
         (Some(failure), _) => Err(failure),
         (None, read) => read.map_err(ExportError::from),
     };
-    writing.finish(read?.topics)
+    writing.finish(read?)
 }
 
 impl ExportFormat {
@@ -262,15 +265,27 @@ impl<'a> Writing<'a> {
         }
     }
 
-    fn finish(mut self, left_out: BTreeSet<String>) -> Result<Exported, ExportError> {
+    /// The folders with reception logs, as beginnings of names: the folder itself, and one for each further network.
+    fn log_folders(&self) -> Vec<String> {
+        let of_networks = self.tables.keys().filter_map(|table| table.strip_suffix("/stops"));
+        std::iter::once(String::new()).chain(of_networks.map(|folder| format!("{folder}/"))).collect()
+    }
+
+    fn finish(mut self, besides: LeftOut) -> Result<Exported, ExportError> {
         let nodes = self.tables.get("stations").map_or(0, |table| table.rows);
         let collectors = std::mem::take(&mut self.collectors);
         for (index, (kind, name)) in (usize::try_from(nodes).unwrap_or(0)..).zip(collectors) {
             let (table, columns, cells) = station(index, kind, &name);
             self.row(&TableRow { table: &table, columns: &columns, cells: &cells })?;
         }
+        let LeftOut { topics, concern } = besides;
+        if let Some(concern) = &concern {
+            for folder in self.log_folders() {
+                self.file(&format!("{folder}{INCOMPLETE}"), format!("{concern}\n").as_bytes());
+            }
+        }
         let (stage, before) = (self.stage, self.stage.files());
-        let mut exported = Exported { failed: self.failed, left_out, ..Exported::default() };
+        let mut exported = Exported { failed: self.failed, left_out: topics, concern, ..Exported::default() };
         for (table, OpenTable { file, path, rows }) in self.tables {
             file.finish()?;
             exported.tables.push(ExportedTable { table, rows, file: path });
@@ -312,7 +327,7 @@ mod tests {
         let stage = Stage::open(folder.path()).unwrap();
         let mut writing = Writing::new(recording, folder.path(), ExportFormat::Csv, &stage);
         names.iter().for_each(|name| writing.file(name, name.as_bytes()));
-        let exported = writing.finish(BTreeSet::new()).unwrap();
+        let exported = writing.finish(LeftOut::default()).unwrap();
         let below = |path: &PathBuf| {
             assert!(path.is_file(), "{path:?}");
             path.strip_prefix(folder.path()).unwrap().to_string_lossy().into_owned()

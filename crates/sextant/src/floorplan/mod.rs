@@ -118,7 +118,9 @@ pub fn read(path: &Path, options: &FloorPlanOptions) -> Result<FloorPlan, FloorP
             let mut occupancy = map.occupancy(&picture);
             occupancy.pixel_m = options.metres_per_pixel.unwrap_or(occupancy.pixel_m);
             occupancy.origin_m = options.origin_m.unwrap_or(occupancy.origin_m);
-            traced::plan(&occupancy, options)
+            let mut plan = traced::plan(&occupancy, options);
+            plan.notes.splice(..0, map.replaced(options));
+            plan
         }
         PlanForm::GeoJson => geojson::read(path, options)?,
         PlanForm::Drawing => dxf::read(path, options)?,

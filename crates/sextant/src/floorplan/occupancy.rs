@@ -4,12 +4,21 @@ use super::image::Picture;
 
 /// Darker than this is a wall in a picture.
 const DARK: u8 = 128;
+/// Darker than this is nearly a wall.
+const NEARLY_DARK: u8 = 192;
+
+/// So many of all, in percent.
+pub(super) fn share(part: usize, all: usize) -> f64 {
+    100.0 * part as f64 / all.max(1) as f64
+}
 
 /// Cells of a floor, row by row from the top.
 pub(super) struct Occupancy {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) cells: Vec<bool>,
+    /// What a wall is in the picture, and how many pixels nearly are, for the user.
+    pub(super) rule: String,
     /// Length of a cell (m).
     pub(super) pixel_m: f64,
     /// Where the lower left corner is (m).
@@ -22,7 +31,13 @@ impl Occupancy {
     /// The dark pixels of a picture.
     pub(super) fn of_image(picture: &Picture, pixel_m: f64, origin_m: [f64; 2]) -> Self {
         let cells = picture.grey.iter().map(|&grey| grey < DARK).collect();
-        Self { width: picture.width, height: picture.height, cells, pixel_m, origin_m, turn_rad: 0.0 }
+        let nearly = picture.grey.iter().filter(|&&grey| (DARK..NEARLY_DARK).contains(&grey)).count();
+        let nearly = share(nearly, picture.grey.len());
+        let rule = format!(
+            "pixels darker than {DARK} of 255 are walls; {nearly:.1} % of the pixels are at {DARK} to {}",
+            NEARLY_DARK - 1
+        );
+        Self { rule, width: picture.width, height: picture.height, cells, pixel_m, origin_m, turn_rad: 0.0 }
     }
 
     /// The cells.

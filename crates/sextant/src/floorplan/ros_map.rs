@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::FloorPlanOptions;
 use super::error::FloorPlanError;
 use super::image::Picture;
-use super::occupancy::Occupancy;
+use super::occupancy::{Occupancy, share};
 
 /// What `map.yaml` says.
 #[derive(Debug)]
@@ -45,13 +46,7 @@ pub(super) fn read(path: &Path) -> Result<RosMap, FloorPlanError> {
 }
 
 fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
-    let value = |key: &str| {
-        text.lines().find_map(|line| {
-            let (found, value) = line.split_once(':')?;
-            let value = value.split(" #").next().unwrap_or_default().trim();
-            (found.trim() == key).then(|| value.trim_matches(['"', '\'']).to_owned())
-        })
-    };
+    let value = |key: &str| value(text, key);
     let required = |key: &str| value(key).ok_or_else(|| format!("the key `{key}` is missing"));
     let number = |key: &str, text: &str| -> Result<f64, String> {
         let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
@@ -67,7 +62,7 @@ fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
     let origin = match *numbers.as_slice() {
         [x_m, y_m] => [x_m, y_m, 0.0],
         [x_m, y_m, yaw_rad] => [x_m, y_m, yaw_rad],
-        _ => return Err(format!("`origin` is {origin}; allowed: [x, y, yaw] on one line")),
+        _ => return Err(format!("`origin` is {origin}; allowed: a list of x, y, yaw")),
     };
     if origin[2].abs() > MOST_YAW_RAD {
         return Err(format!("`origin` has a yaw of {}; allowed: -6.283 to 6.283 radians", origin[2]));
@@ -92,21 +87,68 @@ fn parse(text: &str, folder: &Path) -> Result<RosMap, String> {
     Ok(RosMap { image, resolution_m, origin, mode, occupied })
 }
 
+/// The value of a key of `text`: on its line, or a list that goes on in the next ones. It is as on one line then, `[1,2]`.
+fn value(text: &str, key: &str) -> Option<String> {
+    let mut lines = text.lines().map(|line| line.split(" #").next().unwrap_or_default().trim());
+    let first =
+        lines.by_ref().find_map(|line| line.split_once(':').filter(|(found, _)| found.trim() == key))?.1.trim();
+    if first.is_empty() {
+        let is_left_out = |line: &&str| line.is_empty() || line.starts_with('#');
+        let items: Vec<&str> = lines.skip_while(is_left_out).map_while(|line| line.strip_prefix('-')).collect();
+        let items: Vec<&str> = items.into_iter().map(str::trim).collect();
+        return Some(if items.is_empty() { String::new() } else { format!("[{}]", items.join(",")) });
+    }
+    let mut value = first.to_owned();
+    while value.starts_with('[') && !value.ends_with(']') {
+        let Some(next) = lines.next() else { break };
+        value += next;
+    }
+    Some(value.trim_matches(['"', '\'']).to_owned())
+}
+
 impl RosMap {
+    /// What options replace of what the map says, for the user.
+    pub(super) fn replaced(&self, options: &FloorPlanOptions) -> Vec<String> {
+        let scale = options.metres_per_pixel.filter(|scale_m| scale_m.to_bits() != self.resolution_m.to_bits());
+        let scale = scale.map(|scale_m| {
+            format!(
+                "`resolution` of the map is {}; option `scale` replaces it by {scale_m} m a pixel",
+                self.resolution_m
+            )
+        });
+        let [x_m, y_m, _] = self.origin;
+        let is_other = |place: &[f64; 2]| place.map(f64::to_bits) != [x_m, y_m].map(f64::to_bits);
+        let origin = options.origin_m.filter(is_other).map(|[x, y]| {
+            format!("`origin` of the map is at ({x_m}, {y_m}) m; option `origin` replaces it by ({x}, {y}) m")
+        });
+        scale.into_iter().chain(origin).collect()
+    }
+
     /// Which cells of its image are occupied. Cells that are unknown are free.
     pub(super) fn occupancy(&self, picture: &Picture) -> Occupancy {
-        let is_occupied = |&grey: &u8| {
+        let occupancy = |&grey: &u8| {
             let grey = f64::from(grey);
             match self.mode {
-                Mode::Dark => (255.0 - grey) / 255.0 > self.occupied,
-                Mode::Light => grey / 255.0 > self.occupied,
-                Mode::Percent => grey <= 100.0 && grey / 100.0 > self.occupied,
+                Mode::Dark => (255.0 - grey) / 255.0,
+                Mode::Light => grey / 255.0,
+                Mode::Percent => (grey / 100.0).min(1.0) * f64::from(u8::from(grey <= 100.0)),
             }
         };
+        let cells = picture.grey.iter().map(|grey| occupancy(grey) > self.occupied).collect();
+        let near = 0.75 * self.occupied;
+        let nearly =
+            picture.grey.iter().map(occupancy).filter(|share| *share > near && *share <= self.occupied).count();
         Occupancy {
             width: picture.width,
             height: picture.height,
-            cells: picture.grey.iter().map(is_occupied).collect(),
+            cells,
+            rule: format!(
+                "what is occupied by more than `occupied_thresh`, {:.0} %, is a wall; {:.1} % of the pixels are at {:.0} % to \
+                 that",
+                100.0 * self.occupied,
+                share(nearly, picture.grey.len()),
+                100.0 * near
+            ),
             pixel_m: self.resolution_m,
             origin_m: [self.origin[0], self.origin[1]],
             turn_rad: self.origin[2],
@@ -124,6 +166,19 @@ mod tests {
         let map = parse(text, Path::new("/maps")).unwrap();
         assert_eq!(map.image, Path::new("/maps/floor.pgm"));
         assert_eq!((map.resolution_m, map.origin, map.mode, map.occupied), (0.05, [-3.5, 2.0, 0.1], Mode::Dark, 0.7));
+        let given = |scale_m, origin_m| {
+            map.replaced(&FloorPlanOptions { metres_per_pixel: scale_m, origin_m, ..FloorPlanOptions::default() })
+        };
+        assert_eq!(given(Some(0.05), Some([-3.5, 2.0])), [""; 0]);
+        let replaced = given(Some(0.02), Some([0.0, 2.0]));
+        assert!(replaced[0].contains("is 0.05; option `scale` replaces it by 0.02 m"), "{replaced:?}");
+        assert!(replaced[1].contains("at (-3.5, 2) m; option `origin` replaces it by (0, 2) m"), "{replaced:?}");
+        let nearly = map.occupancy(&Picture { width: 4, height: 1, grey: vec![90, 150, 205, 254] });
+        assert!(
+            nearly.rule.contains("`occupied_thresh`, 70 %, is a wall; 25.0 % of the pixels are at 52 %"),
+            "{}",
+            nearly.rule
+        );
         let picture = Picture { width: 3, height: 1, grey: vec![0, 205, 254] };
         assert_eq!(map.occupancy(&picture).cells, [true, false, false]);
         let of_mode = |line: &str, grey: Vec<u8>| {
@@ -137,6 +192,12 @@ mod tests {
         // Percent: 65 and less is below the threshold, above 100 is unknown. It is never negated.
         assert_eq!(of_mode("mode: raw\n", shades()), is([0, 0, 1, 1, 0, 0, 0]));
         assert_eq!(of_mode("mode: raw\nnegate: 1\n", shades()), is([0, 0, 1, 1, 0, 0, 0]));
+        for origin in
+            ["\n- -2.0\n- 1 # m\n- 0.5", "  # corner\n  - -2.0\n\t- 1.0\n  - 0.5", " [-2.0,\n  1.0, # m\n  0.5]"]
+        {
+            let text = format!("image: a.pgm\norigin:{origin}\nresolution: 1\n");
+            assert_eq!(parse(&text, Path::new("")).unwrap().origin, [-2.0, 1.0, 0.5], "{origin}");
+        }
         for (text, problem) in [
             ("image: a.pgm\nresolution: 1\noccupied_thresh: 1.65\n", "`occupied_thresh` is 1.65; allowed: 0 to 1"),
             ("image: a.pgm\nresolution: 1\nmode: cooked\n", "`mode` is `cooked`; allowed: trinary, scale, raw"),

@@ -51,6 +51,9 @@ pub(super) fn plan(occupancy: &Occupancy, options: &FloorPlanOptions) -> FloorPl
     if short > 0 {
         plan.notes.push(format!("left out: {} shorter than thick", counted(short, "line")));
     }
+    if plan.walls.is_empty() && plan.blocks.is_empty() {
+        plan.notes.push(occupancy.rule.clone());
+    }
     let dark = mask.members().count();
     let read = mask.members().filter(|&cell| covered.cells[cell]).count();
     let outside = covered.members().filter(|&cell| !mask.cells[cell]).count();
@@ -214,7 +217,7 @@ mod tests {
                 cells[y * width + column..y * width + column + wide].fill(true);
             }
         }
-        Occupancy { width, height, cells, pixel_m: 0.05, origin_m: [0.0, 0.0], turn_rad: 0.0 }
+        Occupancy { width, height, cells, rule: String::new(), pixel_m: 0.05, origin_m: [0.0, 0.0], turn_rad: 0.0 }
     }
 
     fn read(occupancy: &Occupancy) -> FloorPlan {
@@ -253,7 +256,15 @@ mod tests {
             if axis == 0 { row * width + width - 1 - column } else { (height - 1 - row) * width + column }
         };
         let cells = (0..width * height).map(|cell| occupancy.cells[from(cell)]).collect();
-        Occupancy { width, height, cells, pixel_m: occupancy.pixel_m, origin_m: [0.0, 0.0], turn_rad: 0.0 }
+        Occupancy {
+            width,
+            height,
+            cells,
+            rule: String::new(),
+            pixel_m: occupancy.pixel_m,
+            origin_m: [0.0, 0.0],
+            turn_rad: 0.0,
+        }
     }
 
     /// Corners in the order of x and y, rounded to tenths of a millimetre.

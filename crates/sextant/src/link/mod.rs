@@ -30,7 +30,7 @@ pub enum LinkError {
         /// Names of stations that are similar.
         near: Vec<String>,
     },
-    /// A place has a number that is not finite.
+    /// A place has too many numbers, or one that is not finite.
     #[error("`{0}` is not a place; allowed: two or three finite numbers, `x,y` or `x,y,z` in metres")]
     Place(String),
     /// There is no such network.

@@ -118,13 +118,14 @@ impl Stations {
     }
 }
 
-/// A place as written, `x,y` or `x,y,z`; `None` if it is something else.
+/// A place as written, `x,y` or `x,y,z`; `None` if it is something else than numbers.
 fn place(text: &str) -> Option<Result<Position, LinkError>> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     let place = match *numbers? {
-        [x, y] => Position::new(x, y, 0.0),
-        [x, y, z] => Position::new(x, y, z),
-        _ => return None,
+        [_] => return None,
+        [x, y] => Some(Position::new(x, y, 0.0)),
+        [x, y, z] => Some(Position::new(x, y, z)),
+        _ => None,
     };
-    Some(if place.is_finite() { Ok(place) } else { Err(LinkError::Place(text.to_owned())) })
+    Some(place.filter(|place| place.is_finite()).ok_or_else(|| LinkError::Place(text.to_owned())))
 }

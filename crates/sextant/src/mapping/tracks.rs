@@ -94,7 +94,7 @@ pub fn tracks(
         match &found.fault {
             Some(RangeFault::Unit(other)) => unit = Some(other.name.to_owned()),
             Some(RangeFault::Places(other)) => unit_of_places = Some(other.name.to_owned()),
-            Some(&RangeFault::Offset { offset_m }) => range_offset_m = Some(offset_m),
+            Some(RangeFault::Offset { offset_m }) => range_offset_m = Some(*offset_m),
             Some(RangeFault::Exchanged(pairs)) => exchanged = pairs.iter().map(|pair| names(pair)).collect(),
             Some(RangeFault::Unexplained { usually_m, receivers }) => {
                 unexplained = Some(UnexplainedSummary { usually_m: *usually_m, receivers: names(receivers) });

@@ -104,8 +104,8 @@ pub(crate) fn measure(
         }
     }
     let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m, watch);
-    let connectivity_errors: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
-    let connectivity_errors = connectivity_errors?;
+    let connectivities: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
+    let (connectivity_errors, absent): (Vec<_>, Vec<_>) = connectivities?.into_iter().unzip();
     let first = connectivity_errors.first().copied().unwrap_or_default();
     let has_flat_regions = has_flat_regions(truth, &estimates);
     let in_plane = || {
@@ -124,6 +124,7 @@ pub(crate) fn measure(
         aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
         false_neighbour_rate: first.false_neighbour_rate,
+        connectivity_absent: absent.into_iter().next().flatten(),
         topology_preservation_error: topology_preservation_error(truth, &mapped, watch)?,
         connectivity_errors,
         ..outline(subject, map, learned, names)
@@ -224,14 +225,17 @@ fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflecti
     PositionError::of(&left)
 }
 
+/// How neighbours fare at one radius, and why that is not known.
 fn connectivity(
     truth: &[Position],
     mapped: &[Option<Position>],
     radius_m: f64,
     watch: &dyn Watch,
-) -> Result<ConnectivitySummary, Interrupted> {
+) -> Result<(ConnectivitySummary, Option<String>), Interrupted> {
     let error = |rule| connectivity_error(truth, mapped, radius_m, rule, watch).ok();
-    let affine = error(NeighbourhoodRule::Affine);
+    let affine = connectivity_error(truth, mapped, radius_m, NeighbourhoodRule::Affine, watch);
+    let absent = affine.as_ref().err().map(ToString::to_string);
+    let affine = affine.ok();
     let summary = ConnectivitySummary {
         neighbourhood_m: radius_m,
         connectivity_error: affine.as_ref().map(ConnectivityError::connectivity_error),
@@ -243,7 +247,7 @@ fn connectivity(
         node_error_cdf: affine.map(|error| NODE_ERRORS.map(|limit| [limit, error.share_of_nodes_within(limit)])),
     };
     // An interrupted measure looks like one that does not apply, so the interrupt is checked here.
-    watch.check().map(|()| summary)
+    watch.check().map(|()| (summary, absent))
 }
 
 #[cfg(test)]

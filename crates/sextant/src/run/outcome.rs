@@ -110,6 +110,7 @@ fn gathering(scenario: &Scenario, simulated: &Simulated) -> GatheringSummary {
     let packets = survey.packets;
     GatheringSummary {
         path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
+        path_is_by_stops: false,
         duration_s: Some(survey.end.as_secs_f64()),
         packets_not_simulated: matches!(survey.simulated, SimulatedPart::NearListeners { .. })
             .then_some(packets.not_simulated),

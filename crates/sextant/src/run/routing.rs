@@ -70,7 +70,7 @@ pub(super) fn of(scenario: &Scenario, simulated: &Simulated) -> Option<RoutingSu
         parent_changes: changes as u64,
         parent_changes_per_node_h: if node_hours > 0.0 { changes as f64 / node_hours } else { 0.0 },
         without_way: nodes.iter().filter(|node| !node.is_dead && !node.has_way).count(),
-        depth: nodes.iter().filter_map(|node| node.depth).max().unwrap_or(0),
+        depth: nodes.iter().filter(|node| node.has_way).filter_map(|node| node.depth).max().unwrap_or(0),
         by_depth: by_depth(nodes, energy, &survey.batteries, |node| lived[node] > counted_from),
         nodes: by_node(scenario, record, energy),
     })
@@ -111,6 +111,8 @@ struct SameDepth {
     packets: Deliveries,
     spent: EnergySpent,
     nodes: usize,
+    /// Those that live, with a way over living ones.
+    with_way: usize,
     /// Those that lived after the warm-up.
     counted: usize,
 }
@@ -128,6 +130,7 @@ fn by_depth(
         same.packets += &node.packets;
         same.spent += spent;
         same.nodes += 1;
+        same.with_way += usize::from(node.has_way);
         same.counted += usize::from(counts(number));
     }
     let of_depth = |depth: Option<u32>| {
@@ -136,18 +139,21 @@ fn by_depth(
     };
     let dead = |depth: Option<u32>| of_depth(depth).filter(|battery| battery.depleted.is_some()).count();
     let summary =
-        |((_, depth), SameDepth { packets, spent, nodes, counted }): ((bool, Option<u32>), SameDepth)| DepthSummary {
-            depth,
-            nodes,
-            counted_nodes: (counted < nodes).then_some(counted),
-            offered: packets.offered,
-            delivered: packets.delivered,
-            delivery: delivery(&packets),
-            delay_s: packets.delays.mean_s(),
-            energy_j: spent.total_j() / counted.max(1) as f64,
-            energy_tx_j: spent.tx_j / counted.max(1) as f64,
-            depleted: (!batteries.is_empty()).then(|| dead(depth)),
-            lifetime_d: super::battery::lifetimes(of_depth(depth)),
+        |((_, depth), SameDepth { packets, spent, nodes, with_way, counted }): ((bool, Option<u32>), SameDepth)| {
+            DepthSummary {
+                depth,
+                nodes,
+                with_way: (with_way < nodes).then_some(with_way),
+                counted_nodes: (counted < nodes).then_some(counted),
+                offered: packets.offered,
+                delivered: packets.delivered,
+                delivery: delivery(&packets),
+                delay_s: packets.delays.mean_s(),
+                energy_j: spent.total_j() / counted.max(1) as f64,
+                energy_tx_j: spent.tx_j / counted.max(1) as f64,
+                depleted: (!batteries.is_empty()).then(|| dead(depth)),
+                lifetime_d: super::battery::lifetimes(of_depth(depth)),
+            }
         };
     depths.into_iter().map(summary).collect()
 }

@@ -28,6 +28,9 @@ pub struct GatheringSummary {
     /// without paths knows the stops only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_length_m: Option<f64>,
+    /// Whether the way of a robot between its stops is not known: the length is that of straight lines then.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub path_is_by_stops: bool,
     /// Time from the start until the last robot finished (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
@@ -103,6 +106,8 @@ impl GatheringSummary {
         for drive in log.drives() {
             robots[drive.robot.index()].path_length_m += drive.length_m();
         }
+        let is_known = |name: &String| paths.iter().any(|(other, _)| other == name);
+        let path_is_by_stops = !log.robots().iter().all(is_known) || log.robots().is_empty();
         for (robot, name) in robots.iter_mut().zip(log.robots()) {
             robot.name.clone_from(name);
             if let Some((_, places)) = paths.iter().find(|(other, _)| other == name) {
@@ -113,6 +118,7 @@ impl GatheringSummary {
             stops: log.stops().len(),
             receptions: usize::try_from(counts.receptions).unwrap_or(usize::MAX),
             ranges: Self::ranges_of([log]),
+            path_is_by_stops,
             path_length_m: Some(robots.iter().map(|robot| robot.path_length_m).sum()),
             packets_received: (robots.len() == 1).then_some(counts.received),
             packets_received_by_robots: (robots.len() > 1).then_some(counts.received),

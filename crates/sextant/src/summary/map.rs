@@ -99,6 +99,9 @@ pub struct MapSummary {
     /// Share of the neighbours on the map that are not neighbours in the world, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
+    /// Why there is no connectivity error, in words, although the map is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub connectivity_absent: Option<String>,
     /// Share of the pairs of nodes along lines of the network whose order differs on the map, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topology_preservation_error: Option<f64>,

@@ -15,6 +15,8 @@ pub(super) enum Subject {
     Learned(Section),
     /// Nodes whose receptions no position explains.
     Infeasible,
+    /// Nodes in exactly one place.
+    Coincident,
     /// Shares of the nodes by sector displacement.
     Displacements,
     /// Nodes whose position is unreliable, and curves at the bound of their search.
@@ -34,7 +36,7 @@ impl MapSummary {
 /// All sentences on a map: what is not reliable first.
 fn of(map: &MapSummary) -> Vec<Judgement> {
     let learned = Section::ALL.into_iter().filter(|section| *section != Section::Warnings).map(Subject::Learned);
-    let subjects = [Subject::Concerns, Subject::Infeasible, Subject::Measured]
+    let subjects = [Subject::Concerns, Subject::Infeasible, Subject::Coincident, Subject::Measured]
         .into_iter()
         .chain(learned)
         .chain([Subject::Displacements, Subject::Heights]);
@@ -52,6 +54,7 @@ pub(super) fn on(map: &MapSummary, subject: Subject) -> Vec<Judgement> {
         Subject::Measured => measured(map, name).into_iter().map(note).collect(),
         Subject::Learned(section) => learned(map, section).map(note).collect(),
         Subject::Infeasible => infeasible(map, name).into_iter().map(warning).collect(),
+        Subject::Coincident => coincident(map, name).into_iter().collect(),
         Subject::Displacements => displacements(map, name).into_iter().map(note).collect(),
         Subject::Concerns => {
             let not_made = map.not_made.iter().map(|why| format!("{name}: no map was made: {why}"));
@@ -83,7 +86,11 @@ fn measured(map: &MapSummary, name: &str) -> Vec<String> {
         let nodes = counted(map.mapped, "mapped node");
         format!("{name}: errors of {measured} of {nodes}: those whose true positions are known")
     });
-    in_plane.into_iter().chain(flat).chain(some).collect()
+    let neighbours = map
+        .connectivity_absent
+        .as_ref()
+        .map(|why| format!("{name}: connectivity error and false neighbours are not known: {why}"));
+    in_plane.into_iter().chain(flat).chain(some).chain(neighbours).collect()
 }
 
 /// Shares of the nodes by sector displacement, and the pairs of neighbours that have no bearing.
@@ -111,6 +118,18 @@ fn infeasible(map: &MapSummary, name: &str) -> Option<String> {
     Some(format!(
         "{name}: {count} of {nodes} {have} no position that agrees with all receptions; {they} placed where most agree"
     ))
+}
+
+/// Nodes that have exactly the place of another one: a warning if they are more than half of the nodes on the map.
+fn coincident(map: &MapSummary, name: &str) -> Option<Judgement> {
+    let count = map.coincident.filter(|&count| count > 0)?;
+    let nodes = counted(map.mapped, "mapped node");
+    let text = format!("{count} of {nodes} have exactly the place of another one: the map does not tell them apart");
+    Some(if 2 * count > map.mapped {
+        Judgement { level: JudgementLevel::Warning, text: format!("{name}: warning: {text}") }
+    } else {
+        Judgement { level: JudgementLevel::Note, text: format!("{name}: {text}") }
+    })
 }
 
 /// Nodes whose position is unreliable.
@@ -194,5 +213,22 @@ mod tests {
         assert_eq!(levels, [JudgementLevel::Warning, JudgementLevel::Warning, JudgementLevel::Note]);
         assert!(said[0].text.starts_with("auto: warning: 2 nodes are at the boundary"), "{}", said[0].text);
         assert!(of(&MapSummary::default()).is_empty());
+    }
+
+    #[test]
+    fn what_is_absent_has_a_reason_and_nodes_in_one_place_are_told() {
+        let map = MapSummary {
+            algorithm: "ml-tm".into(),
+            mapped: 6,
+            coincident: Some(4),
+            connectivity_absent: Some("the nodes are on a line".into()),
+            ..MapSummary::default()
+        };
+        let said = of(&map);
+        assert_eq!(said[0].level, JudgementLevel::Warning);
+        assert!(said[0].text.contains("warning: 4 of 6 mapped nodes have exactly the place"), "{}", said[0].text);
+        assert!(said[1].text.contains("false neighbours are not known: the nodes are on a line"), "{}", said[1].text);
+        let few = MapSummary { coincident: Some(2), ..map };
+        assert_eq!(of(&few).iter().filter(|one| one.level == JudgementLevel::Note).count(), 2);
     }
 }

@@ -77,9 +77,9 @@ pub struct RoutingSummary {
     pub parent_changes_per_node_h: f64,
     /// Living nodes without a way over living ones to a sink at the end.
     pub without_way: usize,
-    /// Most hops of a node along the parents at the end.
+    /// Most hops along the parents at the end, of a living node with a way over living ones to a sink.
     pub depth: u32,
-    /// The nodes by their depth in the tree at the end.
+    /// The nodes by their depth in the tree at the end; dead ones where they were when they died.
     pub by_depth: Vec<DepthSummary>,
     /// The nodes.
     pub nodes: Vec<RoutedNodeSummary>,
@@ -119,14 +119,18 @@ pub struct HopsSummary {
     pub max: u8,
 }
 
-/// The nodes that are so many hops from a sink in the tree at the end, or those without a way.
+/// The nodes that are so many hops from a sink along the parents at the end, or those without parents that lead there. A node
+/// that died counts where it was then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DepthSummary {
-    /// Hops. Absent for nodes that have no way at the end.
+    /// Hops. Absent for nodes whose parents lead to no sink.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<u32>,
     /// Number of nodes.
     pub nodes: usize,
+    /// Those of them that live at the end, with a way over living ones to a sink. Absent if it is all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_way: Option<usize>,
     /// Their packets.
     pub offered: u64,
     /// Those that reached a sink.

@@ -25,6 +25,12 @@ pub(super) fn write(routing: &RoutingSummary, out: &mut impl Write) -> io::Resul
     let header = ["depth", "nodes", "offered", "delivered", "delivery", "mean delay", "energy of a node", "sending"];
     let mut lines = vec![header.map(str::to_owned).to_vec()];
     lines.extend(routing.by_depth.iter().map(line));
+    if routing.by_depth.iter().any(|nodes| nodes.with_way.is_some()) {
+        lines[0].insert(2, "with a way".to_owned());
+        for (line, nodes) in lines[1..].iter_mut().zip(&routing.by_depth) {
+            line.insert(2, nodes.with_way.unwrap_or(nodes.nodes).to_string());
+        }
+    }
     if routing.by_depth.iter().any(|nodes| nodes.depleted.is_some()) {
         lines[0].extend(["empty batteries", "first lifetime"].map(str::to_owned));
         for (line, nodes) in lines[1..].iter_mut().zip(&routing.by_depth) {
@@ -51,7 +57,7 @@ fn decimals(number: Option<f64>) -> String {
 
 fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
     let delay = |read: fn(&DelaySummary) -> f64| milliseconds(routing.delay_s.as_ref().map(read));
-    let rows: [(&str, String, &str); 20] = [
+    let rows: [(&str, String, &str); 21] = [
         ("packets offered", routing.offered.to_string(), ""),
         ("packets delivered", routing.delivered.to_string(), ""),
         ("delivery", share(routing.delivery), "delivered, of those offered and not pending"),
@@ -70,7 +76,8 @@ fn rows(routing: &RoutingSummary) -> Vec<Vec<String>> {
         ("too many hops", routing.hop_limit_drops.to_string(), ""),
         ("beacons", routing.beacons.to_string(), ""),
         ("changes of parents", routing.parent_changes.to_string(), "after the first one of each node"),
-        ("nodes without a way", routing.without_way.to_string(), "at the end"),
+        ("nodes without a way", routing.without_way.to_string(), "living at the end, dead ones not counted"),
+        ("depth", routing.depth.to_string(), "most hops at the end, of nodes that live and have a way"),
         ("pending", routing.pending.to_string(), "in queues at the end"),
     ];
     let mut rows = rows.to_vec();

@@ -89,7 +89,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         say(&summary.maps, [Subject::Measured], out)?;
         bounds(&summary.maps, out)?;
         let learned = Section::ALL.into_iter().filter(|section| *section != Section::Warnings).map(Subject::Learned);
-        say(&summary.maps, learned.chain([Subject::Infeasible, Subject::Displacements]), out)?;
+        say(&summary.maps, learned.chain([Subject::Infeasible, Subject::Coincident, Subject::Displacements]), out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
         say(&summary.maps, [Subject::Concerns, Subject::Heights], out)?;
         writeln!(out)?;
@@ -112,7 +112,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     };
     let count = |count: Option<u64>| count.map(|count| count.to_string());
     row("stops", Some(gathering.stops.to_string()), "");
-    row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
+    let metres = if gathering.path_is_by_stops { "m, straight from stop to stop" } else { "m" };
+    row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), metres);
     row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
     row("sector sweeps of robots", count(gathering.sweeps), "");
     let reports = gathering.sector_reports.map(|reports| (reports.received.to_string(), reports.asked));

@@ -147,6 +147,12 @@ pub enum TableError {
         /// What is wrong.
         why: String,
     },
+    /// The table has no rows.
+    #[error("`{}` has no rows, so there is nothing to show", .path.display())]
+    NoRows {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file is not the table of a sweep.
     #[error("`{}` is not the table of a sweep: {why}", .path.display())]
     Other {
@@ -223,6 +229,9 @@ impl TableError {
                 .to_owned(),
             Self::Rows { .. } => "remove the rows that are wrong, and give each sweep a table of its own".to_owned(),
             Self::Other { .. } => "`sextant sweep SCENARIO.toml --out TABLE.csv` writes such a table".to_owned(),
+            Self::NoRows { .. } => {
+                "`sextant sweep SCENARIO.toml --out TABLE.csv` writes a row for each run".to_owned()
+            }
             Self::NoAxis { .. } => "vary a number in [sweep] of the scenario".to_owned(),
             Self::NoPairs { .. } => {
                 "compare runs that differ in this alone: with the same seeds, and no setting that changes with it"

@@ -58,6 +58,9 @@ impl FinishedTable {
     pub fn read(path: &Path) -> Result<Self, TableError> {
         let this = Self::of(read_texts(path)?).map_err(|why| TableError::Other { path: path.to_owned(), why })?;
         check(&this).map_err(|why| TableError::Rows { path: path.to_owned(), why })?;
+        if this.texts.rows.is_empty() {
+            return Err(TableError::NoRows { path: path.to_owned() });
+        }
         Ok(this)
     }
 

@@ -13,7 +13,7 @@ use crate::diagnostic::Failure;
 use sextant::columns::{Align, columns};
 use sextant::summary::Measure;
 use sextant_kernel::text::counted;
-use sextant_study::sweep::{Average, CellSummary, Column, Overview, Rows, Sweep, TableError, summaries};
+use sextant_study::sweep::{Average, CellSummary, Column, ColumnKind, Overview, Rows, Sweep, TableError, summaries};
 
 /// Of a large sweep, so many cells are printed.
 const MOST_CELLS: usize = 100;
@@ -98,14 +98,23 @@ impl JsonCells<'_> {
     fn cell(&self, i: usize, summary: &CellSummary) -> Value {
         let (keys, cell) = (self.plan.keys(), &self.plan.cells()[i]);
         let settings = keys.iter().zip(cell.values(keys)).filter(|(_, value)| !value.is_empty());
-        let settings: Map<_, _> = settings.map(|(key, value)| (key.name.clone(), json!(value))).collect();
+        let settings: Map<_, _> = settings.map(|(key, value)| (key.name.clone(), value_of(key, value))).collect();
         let mut means = Map::new();
         for measure in self.plan.measures() {
             if let Some(average) = summary.average(self.plan, measure) {
-                means.insert(measure.name(), average.json().into());
+                means.insert(measure.path(), average.json().into());
             }
         }
         json!({"cell": i, "settings": settings, "failed": summary.failed, "measures": means})
+    }
+}
+
+/// The value of a setting: a number if all its values are numbers.
+fn value_of(key: &Column, value: &str) -> Value {
+    let number = || serde_json::from_str(value).ok().filter(Value::is_number);
+    match key.kind {
+        ColumnKind::Integer | ColumnKind::Unsigned | ColumnKind::Real => number().unwrap_or_else(|| json!(value)),
+        ColumnKind::Text => json!(value),
     }
 }
 
@@ -262,7 +271,14 @@ fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_study::sweep::ColumnKind;
+
+    #[test]
+    fn numbers_of_settings_are_numbers() {
+        let of = |kind, value| value_of(&Column::new("key", kind), value);
+        assert_eq!(of(ColumnKind::Real, "1.0"), json!(1.0));
+        assert_eq!(of(ColumnKind::Integer, "-2"), json!(-2));
+        assert_eq!(of(ColumnKind::Text, "1.0"), json!("1.0"));
+    }
 
     #[test]
     fn keys_are_shortened_but_stay_distinct() {

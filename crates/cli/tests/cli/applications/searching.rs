@@ -84,7 +84,7 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
     assert!(swept(&[]).contains("100 % (16 to 100 %)"));
     let results: serde_json::Value = serde_json::from_str(&swept(&["--resume", "--format", "json"])).unwrap();
     let measures = results["sweep"]["cells"][0]["measures"].as_object().unwrap();
-    let (_, captured) = measures.iter().find(|(name, _)| name.ends_with("detarsk.captured")).unwrap();
+    let (_, captured) = measures.iter().find(|(name, _)| *name == "applications.detarsk.captured").unwrap();
     assert!((number(&captured["interval_95"][0]) - 0.025_f64.sqrt()).abs() < 1e-6, "{captured}");
     assert_eq!((&captured["interval_95"][1], captured.get("half_width_95")), (&1.0.into(), None));
     let rows = table(&folder.path().join("t.csv"));

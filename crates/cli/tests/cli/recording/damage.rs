@@ -42,8 +42,8 @@ fn everything_before_a_cut_is_recovered() {
     let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
     let mut numbers = Numbers(1);
     let mut lengths: Vec<usize> =
-        (0..200).map(|_| usize::try_from(numbers.below(octets.len() as u64)).unwrap()).collect();
-    lengths.extend([0, 1, 7, 8, 9, octets.len() - 1]);
+        (0..200).map(|_| usize::try_from(numbers.below(octets.len() as u64)).unwrap().max(1)).collect();
+    lengths.extend([1, 7, 8, 9, octets.len() - 1]);
     lengths.sort_unstable();
     let mut before = 0;
     for length in lengths {
@@ -142,7 +142,7 @@ fn everything_but_damaged_chunks_is_recovered_and_the_copy_says_what_is_missing(
         assert!((250..300).contains(&stops), "{stops} stops");
         assert_eq!(read_log(&good).unwrap().missing_stops, 300 - stops);
         let (mut of_stops, mut of_receptions) = (0, 0);
-        read_tables(&good, &mut |piece| {
+        let besides = read_tables(&good, &mut |piece| {
             if let TablePiece::Row(row) = piece {
                 of_stops += usize::from(row.table == "stops");
                 of_receptions += usize::from(row.table == "receptions");
@@ -150,6 +150,8 @@ fn everything_but_damaged_chunks_is_recovered_and_the_copy_says_what_is_missing(
             Ok(())
         })
         .unwrap();
+        assert_eq!(besides.concern, read_log(&good).unwrap().concern(), "what is exported says what is missing");
+        assert!(besides.concern.unwrap().contains(&format!("{} stops left out", 300 - stops)));
         let receptions = read_log(&good).unwrap().logs.first().receptions().len();
         assert_eq!(of_stops, stops, "what is exported has the same stops");
         // The first stop has a row for each node.
@@ -168,6 +170,22 @@ fn everything_but_damaged_chunks_is_recovered_and_the_copy_says_what_is_missing(
     recover(&good, &again, &Unwatched).unwrap();
     let gaps = |path: &Path| inspect(path).unwrap().metadata.into_iter().filter(|(name, _)| name.starts_with("gap/"));
     assert!(gaps(&again).eq(gaps(&good)), "a copy of a copy has the same gaps");
+}
+
+#[test]
+fn an_empty_file_has_nothing_to_recover() {
+    let folder = tempfile::tempdir().unwrap();
+    let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
+    std::fs::write(&broken, []).unwrap();
+    let error = recover(&broken, &good, &Unwatched).unwrap_err();
+    assert!(
+        matches!(error, RecordingError::File(McapFileError::Empty { .. })) && error.to_string().contains("is empty"),
+        "{error}"
+    );
+    assert!(!good.exists());
+    for error in [inspect(&broken).unwrap_err(), read_log(&broken).unwrap_err()] {
+        assert!(matches!(error, RecordingError::File(McapFileError::Empty { .. })), "{error}");
+    }
 }
 
 #[test]

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use sextant_kernel::text::counted;
 
-use super::PacketSource;
-use super::seconds;
+use super::{PacketSource, Span, seconds};
 use crate::paint::picture::Picture;
 use crate::plot::curves::{Curves, Series};
 
@@ -13,7 +12,7 @@ use crate::plot::curves::{Curves, Series};
 const MOST_POINTS: usize = 1000;
 
 /// The figure: a curve for each network; `None` if no packet was delivered.
-pub(super) fn draw(source: &PacketSource<'_>) -> Option<Picture> {
+pub(super) fn draw(source: &PacketSource<'_>, span: Span) -> Option<Picture> {
     let mut networks: BTreeMap<&str, (u64, Vec<f64>)> = BTreeMap::new();
     for packet in source.packets.iter().map(|packet| &packet.packet).filter(|packet| packet.counted) {
         let (ended, delays) = networks.entry(&packet.network).or_default();
@@ -25,12 +24,12 @@ pub(super) fn draw(source: &PacketSource<'_>) -> Option<Picture> {
         .filter(|(_, (_, delays))| !delays.is_empty())
         .map(|(network, (ended, mut delays))| {
             delays.sort_by(f64::total_cmp);
-            curve(network, ended, &delays)
+            curve(network, &format!(" of {ended}"), &delays)
         })
         .collect();
     let curves = Curves {
-        title: format!("{}: delay of packets", source.title),
-        note: "share of the delivered packets with at most this time from offer to reception".to_owned(),
+        title: format!("{}: delay of {}", source.title, span.of_packets()),
+        note: span.delivered(" from offer to reception"),
         across: "delay (s)".to_owned(),
         up: "share of the delivered packets".to_owned(),
         series,
@@ -38,14 +37,14 @@ pub(super) fn draw(source: &PacketSource<'_>) -> Option<Picture> {
     (!curves.series.is_empty()).then(|| curves.draw())
 }
 
-/// The curve of delays in ascending order (s).
-fn curve(network: &str, ended: u64, delays: &[f64]) -> Series {
+/// The curve of delays in ascending order (s), of so many packets in words.
+pub(super) fn curve(network: &str, of: &str, delays: &[f64]) -> Series {
     let count = delays.len();
     let share = |i: usize| i as f64 / count as f64;
     let at = |percent: usize| delays[(percent * count).div_ceil(100).max(1) - 1];
     let name = if network.is_empty() { String::new() } else { format!("{network}: ") };
     let name = format!(
-        "{name}{} of {ended} delivered, median {:.1} ms, 99 % within {:.1} ms",
+        "{name}{}{of} delivered, median {:.1} ms, 99 % within {:.1} ms",
         counted(count, "packet"),
         1e3 * at(50),
         1e3 * at(99)
@@ -66,7 +65,7 @@ mod tests {
 
     #[test]
     fn a_curve_rises_to_one_in_equal_steps() {
-        let curve = curve("", 5, &[0.1, 0.2, 0.2, 0.4]);
+        let curve = curve("", " of 5", &[0.1, 0.2, 0.2, 0.4]);
         let expected = [
             (0.0, 0.0),
             (0.1, 0.0),

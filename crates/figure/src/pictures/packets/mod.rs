@@ -1,6 +1,7 @@
 //! Figures of the packet trace of a recording.
 
 mod delays;
+mod end_to_end;
 mod outcomes;
 mod summary;
 mod time_line;
@@ -44,15 +45,60 @@ impl PacketSource<'_> {
     }
 }
 
-/// All figures of the packets: `delay-cdf`, `outcomes-by-node`, `outcomes-over-time` and `time-line`. The first two are
-/// those of the summary if there are no packets. Only those that have something to show.
+/// What a packet of the trace, or of the traffic in the summary, is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Span {
+    /// From the node that has it to its receiver.
+    Whole,
+    /// One hop of a way over several.
+    Hop,
+}
+
+impl Span {
+    fn of(source: &PacketSource<'_>) -> Self {
+        let has_hops = || source.packets.iter().any(|packet| packet.hop.is_some());
+        if !source.drawn.tree.is_empty() || has_hops() { Self::Hop } else { Self::Whole }
+    }
+
+    /// The end of what a title says of packets.
+    fn of_packets(self) -> &'static str {
+        match self {
+            Self::Whole => "packets",
+            Self::Hop => "packets on each hop",
+        }
+    }
+
+    /// What shares are of.
+    fn offered(self) -> &'static str {
+        match self {
+            Self::Whole => "share of the packets offered",
+            Self::Hop => "share of the packets offered on a hop: a packet over several hops counts on each",
+        }
+    }
+
+    /// The same of delays, with how they are known.
+    fn delivered(self, how: &str) -> String {
+        match self {
+            Self::Whole => format!("share of the delivered packets with at most this time{how}"),
+            Self::Hop => format!(
+                "share of the packets delivered on a hop with at most this time on it{how}: a packet over several hops counts on each"
+            ),
+        }
+    }
+}
+
+/// All figures of the packets: `delay-cdf`, `delay-end-to-end`, `outcomes-by-node`, `outcomes-over-time` and `time-line`.
+/// Delays and outcomes by node are those of the summary if there are no packets. Where packets go over several hops, all but
+/// the second are of each hop. Only those that have something to show.
 #[must_use]
 pub fn of_packets(source: &PacketSource<'_>) -> Vec<Figure> {
     let &PacketSource { title, traffic, .. } = source;
+    let span = Span::of(source);
     let pictures = [
-        ("delay-cdf", delays::draw(source).or_else(|| summary::delays(title, traffic))),
-        ("outcomes-by-node", outcomes::by_node(source).or_else(|| summary::by_node(title, traffic))),
-        ("outcomes-over-time", outcomes::over_time(source)),
+        ("delay-cdf", delays::draw(source, span).or_else(|| summary::delays(title, span, traffic))),
+        ("delay-end-to-end", end_to_end::draw(source)),
+        ("outcomes-by-node", outcomes::by_node(source, span).or_else(|| summary::by_node(title, span, traffic))),
+        ("outcomes-over-time", outcomes::over_time(source, span)),
         ("time-line", time_line::draw(source)),
     ];
     let figure = |(name, picture): (&str, Option<_>)| Some(Figure { name: name.to_owned(), picture: picture? });

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use sextant_recording::messages::PacketMessage;
 
-use super::PacketSource;
-use super::seconds;
+use super::{PacketSource, Span, seconds};
 use crate::paint::picture::Picture;
 use crate::plot::stacks::{Stack, Stacks};
 
@@ -26,7 +25,7 @@ pub(super) const FATES: [(&str, &str); 9] = [
 ];
 
 /// Shares by the node that offered; `None` if there is no packet.
-pub(super) fn by_node(source: &PacketSource<'_>) -> Option<Picture> {
+pub(super) fn by_node(source: &PacketSource<'_>, span: Span) -> Option<Picture> {
     let mut counts: BTreeMap<u32, Vec<u64>> = BTreeMap::new();
     for packet in counted(source) {
         count(counts.entry(packet.source).or_insert_with(|| vec![0; FATES.len()]), packet);
@@ -36,11 +35,11 @@ pub(super) fn by_node(source: &PacketSource<'_>) -> Option<Picture> {
         Stack { from: middle - 0.42, to: middle + 0.42, counts }
     };
     let stacks: Vec<_> = counts.into_iter().map(stack).collect();
-    draw(source, "outcomes of packets by node", "index of the node that offered", stacks)
+    draw(source, span, "by node", "index of the node that offered", stacks)
 }
 
 /// Shares by the time of the offer; `None` if there is no packet.
-pub(super) fn over_time(source: &PacketSource<'_>) -> Option<Picture> {
+pub(super) fn over_time(source: &PacketSource<'_>, span: Span) -> Option<Picture> {
     let offers = || counted(source).map(|packet| packet.offered_ns);
     let (first, last) = (offers().min()?, offers().max()?);
     let width = (last - first) / u64::from(TIME_PARTS) + 1;
@@ -54,7 +53,7 @@ pub(super) fn over_time(source: &PacketSource<'_>) -> Option<Picture> {
     let edge = |part: u64| seconds(first + part * width);
     let stacks = (0..).zip(counts).map(|(part, counts)| Stack { from: edge(part), to: edge(part + 1), counts });
     let offered = stacks.filter(|stack| stack.counts.iter().any(|&count| count > 0)).collect();
-    draw(source, "outcomes of packets over time", "time of the offer (s)", offered)
+    draw(source, span, "over time", "time of the offer (s)", offered)
 }
 
 fn counted<'a>(source: &PacketSource<'a>) -> impl Iterator<Item = &'a PacketMessage> + use<'a> {
@@ -67,10 +66,10 @@ fn count(counts: &mut [u64], packet: &PacketMessage) {
     }
 }
 
-fn draw(source: &PacketSource<'_>, what: &str, across: &str, stacks: Vec<Stack>) -> Option<Picture> {
+fn draw(source: &PacketSource<'_>, span: Span, what: &str, across: &str, stacks: Vec<Stack>) -> Option<Picture> {
     let stacks = Stacks {
-        title: format!("{}: {what}", source.title),
-        note: "share of the packets offered".to_owned(),
+        title: format!("{}: outcomes of {} {what}", source.title, span.of_packets()),
+        note: span.offered().to_owned(),
         across: across.to_owned(),
         layers: FATES.map(|(_, words)| words).to_vec(),
         stacks,

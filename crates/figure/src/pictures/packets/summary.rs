@@ -3,17 +3,18 @@
 use sextant_kernel::text::counted;
 use sextant_recording::{RecordedOutcomes, RecordedTraffic};
 
+use super::Span;
 use super::outcomes::FATES;
 use crate::paint::picture::Picture;
 use crate::plot::curves::{Curves, Series};
 use crate::plot::stacks::{Stack, Stacks};
 
 /// The distribution of the delays, by the bins of the histogram; `None` if nothing was delivered.
-pub(super) fn delays(title: &str, traffic: &[RecordedTraffic]) -> Option<Picture> {
+pub(super) fn delays(title: &str, span: Span, traffic: &[RecordedTraffic]) -> Option<Picture> {
     let series: Vec<_> = traffic.iter().filter_map(curve).collect();
     let curves = Curves {
-        title: format!("{title}: delay of packets"),
-        note: "share of the delivered packets with at most this time, from the histogram of the summary".to_owned(),
+        title: format!("{title}: delay of {}", span.of_packets()),
+        note: span.delivered(", from the histogram of the summary"),
         across: "delay (s)".to_owned(),
         up: "share of the delivered packets".to_owned(),
         series,
@@ -39,15 +40,15 @@ fn curve(traffic: &RecordedTraffic) -> Option<Series> {
 }
 
 /// Shares of the outcomes by node, of each network; `None` if nothing was offered.
-pub(super) fn by_node(title: &str, traffic: &[RecordedTraffic]) -> Option<Picture> {
+pub(super) fn by_node(title: &str, span: Span, traffic: &[RecordedTraffic]) -> Option<Picture> {
     let stack = |(index, node): (u32, &RecordedOutcomes)| {
         let middle = f64::from(index);
         Stack { from: middle - 0.42, to: middle + 0.42, counts: counts(node) }
     };
     let stacks = (0..).zip(traffic.iter().flat_map(|network| &network.nodes)).map(stack);
     let stacks = Stacks {
-        title: format!("{title}: outcomes of packets by node"),
-        note: "share of the packets offered".to_owned(),
+        title: format!("{title}: outcomes of {} by node", span.of_packets()),
+        note: span.offered().to_owned(),
         across: "number of the node in the summary".to_owned(),
         layers: FATES.map(|(_, words)| words).to_vec(),
         stacks: stacks.filter(|stack| stack.counts.iter().any(|&count| count > 0)).collect(),

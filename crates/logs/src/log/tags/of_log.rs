@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path as FilePath;
 
 use sextant_channel::{Position, RangeSample, ReceptionLog};
-use sextant_kernel::text::{counted, listed};
+use sextant_kernel::text::{are, counted, listed};
 use sextant_mapper::TagReading;
 
 use super::readings::TagReadings;
@@ -54,7 +54,11 @@ impl TagReadings {
         }
         for (count, noun) in strangers.into_iter().zip(["range", "strength"]) {
             if count > 0 {
-                found.notes.push(format!("{} to nodes without a known place are not used", counted(count, noun)));
+                found.notes.push(format!(
+                    "{} to nodes without a known place {} not used",
+                    counted(count, noun),
+                    are(count)
+                ));
             }
         }
         if found.tags.is_empty() {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use sextant_channel::{Mounting, Position};
 use sextant_kernel::SimTime;
-use sextant_kernel::text::{counted, listed};
+use sextant_kernel::text::{are, counted, counts, listed};
 use sextant_mapper::{OnRobot, TagReading};
 
 use crate::csv::header::{KnownColumns, Others};
@@ -191,10 +191,13 @@ impl<'a> ReadingTables<'a> {
     fn tell(&mut self, name: &str, left: &Left<'_>) {
         let Left { failed, before, outside, of_others, strangers } = left;
         for (count, why) in [
-            (*failed, "without a range, or of exactly 0, count as failed tries"),
-            (*before, "with a time below 0 are not used"),
-            (*outside, "from before the path begins, after it ends or from gaps of it are not used"),
-            (*of_others, "of other transmitters are not used (option `transmitter`)"),
+            (*failed, format!("without a range, or of exactly 0, {} as failed tries", counts(*failed))),
+            (*before, format!("with a time below 0 {} not used", are(*before))),
+            (
+                *outside,
+                format!("from before the path begins, after it ends or from gaps of it {} not used", are(*outside)),
+            ),
+            (*of_others, format!("of other transmitters {} not used (option `transmitter`)", are(*of_others))),
         ] {
             if count > 0 {
                 self.notes.push(format!("{name}: {} {why}", counted(count, "row")));
@@ -204,8 +207,9 @@ impl<'a> ReadingTables<'a> {
             let names: Vec<&Cow<'_, str>> = strangers.keys().collect();
             let rows: usize = strangers.values().sum();
             self.notes.push(format!(
-                "{name}: {} of receivers without a known place are not used: {}",
+                "{name}: {} of receivers without a known place {} not used: {}",
                 counted(rows, "row"),
+                are(rows),
                 listed(&names)
             ));
         }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path as FilePath;
 
 use sextant_channel::Position;
-use sextant_kernel::text::{counted, listed};
+use sextant_kernel::text::{are, counted, listed};
 use sextant_mapper::{TagReading, TagValue};
 
 use super::reading_table::{Odometry, ReadingTables};
@@ -248,8 +248,9 @@ impl TagReadings {
         }
         if left_out > 0 {
             self.notes.push(format!(
-                "{} of receivers with ranges are not used: they add nothing to these",
-                counted(left_out, "strength")
+                "{} of receivers with ranges {} not used, because ranges say more",
+                counted(left_out, "strength"),
+                are(left_out)
             ));
         }
         self

@@ -53,16 +53,7 @@ impl RecordedRun {
     /// What the user should know of a log that is incomplete.
     #[must_use]
     pub fn concern(&self) -> Option<String> {
-        let missing = (self.missing_stops > 0).then(|| {
-            let stops = counted(self.missing_stops, "stop");
-            format!("the recording is incomplete: {stops} left out, because messages are missing")
-        });
-        let recovered = self.metadata.get(RECOVERED_METADATA).map(|damage| {
-            let at = damage.get("at_byte").map_or_else(String::new, |at| format!(" at byte {at}"));
-            format!("the recording was damaged{at} and recovered: what could not be read is missing here")
-        });
-        let all: Vec<String> = missing.into_iter().chain(recovered).collect();
-        (!all.is_empty()).then(|| all.join("; "))
+        concern(self.missing_stops, self.metadata.get(RECOVERED_METADATA))
     }
 
     /// The obstacles that each map in the summary claims, by its name; none of a map without any.
@@ -101,6 +92,20 @@ impl RecordedRun {
         };
         Files::Attached(Arc::new(self.attachments.iter().filter_map(file).collect()))
     }
+}
+
+/// What the user should know of a recording without so many of its stops, which was `recovered` if it has this record.
+pub(crate) fn concern(missing_stops: usize, recovered: Option<&BTreeMap<String, String>>) -> Option<String> {
+    let missing = (missing_stops > 0).then(|| {
+        let stops = counted(missing_stops, "stop");
+        format!("the recording is incomplete: {stops} left out, because messages are missing")
+    });
+    let recovered = recovered.map(|damage| {
+        let at = damage.get("at_byte").map_or_else(String::new, |at| format!(" at byte {at}"));
+        format!("the recording was damaged{at} and recovered: what could not be read is missing here")
+    });
+    let all: Vec<String> = missing.into_iter().chain(recovered).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// A file within a recording.

@@ -40,7 +40,8 @@ pub(super) fn note(edges: &[RecordedEdge]) -> String {
     if !depths.is_empty() {
         #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;
-        note.push(format!("{mean:.1} hops in the mean, {} at most", depths.iter().fold(0.0_f64, |a, &b| a.max(b))));
+        let most = depths.iter().fold(0.0_f64, |a, &b| a.max(b));
+        note.push(format!("{} with a way: {mean:.1} hops in the mean, {most} at most", depths.len()));
     }
     let without = living().filter(|edge| edge.depth.is_none()).count();
     if without > 0 {

@@ -76,7 +76,11 @@ pub(super) const BY_NODES: &[KnownMeasure<'static>] = &[
     known("distributed.frames_received_mean", MeanCount, "frames received by a node: mean"),
     known("distributed.mobile.heard_share", Share, "share of nodes that heard the mobile anchor"),
     known("distributed.mobile.stops_heard_mean", MeanCount, "stops of the mobile anchor heard by a node: mean"),
-    known("distributed.vertices_mean", MeanCount, "vertices evaluated by a node: mean"),
+    known(
+        "distributed.vertices_mean",
+        MeanCount,
+        "vertices evaluated by a node: mean over the nodes that computed a place",
+    ),
     known("distributed.memory_octets.mean", MeanCount, "octets of memory of a node: mean"),
     known("distributed.radio_energy_j.total", Joule, "energy of the radios of all nodes"),
     known("distributed.radio_energy_j.mean", Joule, "energy of the radio of a node: mean"),

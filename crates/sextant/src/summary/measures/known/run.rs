@@ -170,8 +170,8 @@ pub(super) const WITH_ROUTING: &[KnownMeasure<'static>] = &[
     known("routing.given_up", Count, "packets given up on a hop after all tries"),
     known("routing.hop_limit_drops", Count, "packets dropped after too many hops"),
     known("routing.beacons", Count, "beacons of routing"),
-    known("routing.without_way", Count, "nodes without a way to a sink at the end"),
-    known("routing.depth", Count, "depth of the tree at the end: most hops of a node"),
+    known("routing.without_way", Count, "living nodes without a way over living ones to a sink at the end"),
+    known("routing.depth", Count, "depth of the tree at the end: most hops of a living node with a way"),
 ];
 
 /// Of a run whose packets go in fragments.
