@@ -25,6 +25,13 @@ pub(super) struct Top<P> {
     pub(super) settled: bool,
 }
 
+impl<P> Top<P> {
+    /// The logarithm of the marginal likelihood (Laplace), but for what does not depend on the laws.
+    pub(super) fn log_evidence(&self) -> f64 {
+        self.curvature.as_ref().map_or(f64::NEG_INFINITY, |curvature| self.value - 0.5 * curvature.log_determinant)
+    }
+}
+
 /// The top near `start`.
 pub(super) fn climb<H: Hill>(
     hill: &H,

@@ -196,7 +196,8 @@ mod tests {
             ["\n- -2.0\n- 1 # m\n- 0.5", "  # corner\n  - -2.0\n\t- 1.0\n  - 0.5", " [-2.0,\n  1.0, # m\n  0.5]"]
         {
             let text = format!("image: a.pgm\norigin:{origin}\nresolution: 1\n");
-            assert_eq!(parse(&text, Path::new("")).unwrap().origin, [-2.0, 1.0, 0.5], "{origin}");
+            let found = parse(&text, Path::new("")).unwrap().origin;
+            assert_eq!(format!("{found:?}"), "[-2.0, 1.0, 0.5]", "{origin}");
         }
         for (text, problem) in [
             ("image: a.pgm\nresolution: 1\noccupied_thresh: 1.65\n", "`occupied_thresh` is 1.65; allowed: 0 to 1"),

@@ -308,7 +308,7 @@ mod tests {
             found.tags["y"].iter().map(|range| (range.receiver, range.value)).collect::<Vec<_>>(),
             [(1, TagValue::Range(2.0))]
         );
-        for part in ["failed tries", "below 0", "without a known place are not used: c"] {
+        for part in ["failed tries", "below 0", "without a known place is not used: c"] {
             assert!(found.notes.iter().any(|note| note.contains(part)), "{part}: {:?}", found.notes);
         }
         let none = BTreeMap::from([("z".to_owned(), Position::ORIGIN)]);

@@ -5,8 +5,7 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
-use super::problem::{TrackPoint, TrackProblem};
-use super::search::{LEAST_GAIN, STEPS, log_evidence};
+use super::problem::{LEAST_GAIN, STEPS, TrackPoint, TrackProblem};
 use super::strengths::EXPONENT;
 use crate::joint_path::climb::{Hill, Top, climb};
 
@@ -29,7 +28,7 @@ pub(super) fn most_likely(
         point.border[entry] = exponent;
         let found =
             climb(&TrackProblem { exponent: [exponent, TRIED], ..problem.clone() }, point, STEPS, LEAST_GAIN, watch)?;
-        let value = log_evidence(&found) - 0.5 * ((exponent - EXPONENT[0]) / EXPONENT[1]).powi(2);
+        let value = found.log_evidence() - 0.5 * ((exponent - EXPONENT[0]) / EXPONENT[1]).powi(2);
         Ok::<_, Interrupted>((value, found))
     };
     let mut middle = libm::log(top.point.border[entry].max(0.1));

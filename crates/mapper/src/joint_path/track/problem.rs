@@ -10,6 +10,10 @@ use super::strengths::{NEAREST_M, POWER_DBM, RECEIVER_DB, StrengthErrors};
 use crate::joint_path::chain::{ChainStep, ChainSystem};
 use crate::joint_path::climb::Hill;
 
+/// Most steps of a climb, and the gain that ends it.
+pub(super) const STEPS: u32 = 60;
+pub(super) const LEAST_GAIN: f64 = 1e-3;
+
 /// What is sought: a state at each time, and the border.
 #[derive(Clone, Debug)]
 pub(super) struct TrackPoint {

@@ -7,7 +7,7 @@ use sextant_kernel::{Interrupted, Watch};
 use super::epochs::{EpochReading, Epochs};
 use super::heights::{self, Heights, Knots, WANDERS};
 use super::motion::{FreeMotion, Motion};
-use super::problem::{Border, TrackPoint, TrackProblem, path_loss};
+use super::problem::{Border, LEAST_GAIN, STEPS, TrackPoint, TrackProblem, path_loss};
 use super::regions::is_among;
 use super::side::Line;
 use super::strengths::{EXPONENT, StrengthErrors};
@@ -18,9 +18,6 @@ use crate::joint_path::odometry::{FACTORS, Leg, Odometry};
 use crate::numerics::median;
 use crate::range_ml::error_law;
 
-/// Most steps of a climb, and the gain that ends it.
-pub(super) const STEPS: u32 = 60;
-pub(super) const LEAST_GAIN: f64 = 1e-3;
 /// The noise of ranges in turn (m), and the width of the law of strengths (dB).
 const NOISES: [(f64, f64); 2] = [(3.0, 12.0), (1.0, 7.0)];
 /// Power spectral densities of the acceleration that are tried (m²/s³): from a trolley to a runner.
@@ -97,7 +94,7 @@ impl<'a> Search<'a> {
     fn log_evidence(&self, found: &Found<'a>, worth: f64) -> Result<f64, Interrupted> {
         let problem = TrackProblem { worth, ..found.problem.clone() };
         let top = climb(&problem, found.top.point.clone(), STEPS, LEAST_GAIN, self.watch)?;
-        Ok(problem.log_widths() + log_evidence(&top))
+        Ok(problem.log_widths() + top.log_evidence())
     }
 
     /// The motions among which the marginal likelihood chooses; the search begins with the one of this number.
@@ -268,7 +265,7 @@ fn chosen<'a>(
     for &motion in motions {
         let tried = TrackProblem { motion, ..problem.clone() };
         let top = climb(&tried, start.clone(), STEPS, LEAST_GAIN, watch)?;
-        let log_evidence = motion.log_widths() + log_evidence(&top);
+        let log_evidence = motion.log_widths() + top.log_evidence();
         if best.as_ref().is_none_or(|(best, ..)| log_evidence > *best) {
             best = Some((log_evidence, motion, top));
         }
@@ -276,9 +273,4 @@ fn chosen<'a>(
     let (_, motion, top) = best.expect("there are motions");
     problem.motion = motion;
     Ok(top)
-}
-
-/// The logarithm of the marginal likelihood (Laplace), but for what does not depend on the laws.
-pub(super) fn log_evidence(top: &Top<TrackPoint>) -> f64 {
-    top.curvature.as_ref().map_or(f64::NEG_INFINITY, |curvature| top.value - 0.5 * curvature.log_determinant)
 }

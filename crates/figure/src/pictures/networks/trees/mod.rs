@@ -186,7 +186,10 @@ mod tests {
         let figures = figures(&drawn, None);
         let [tree] = &figures[..] else { panic!("no changes, so one figure") };
         let words = words(tree);
-        assert!(words.contains(&"3 nodes, 1.5 hops in the mean, 2 at most, 1 without a way"), "{words:?}");
+        assert!(
+            words.contains(&"3 nodes, 2 with a way: 1.5 hops in the mean, 2 at most, 1 without a way"),
+            "{words:?}"
+        );
         assert!(words.contains(&"node without a way") && words.contains(&"t: tree at the end"), "{words:?}");
         // The legend has one too.
         assert_eq!(lines(tree, LINK), 2 + 1);
@@ -204,7 +207,7 @@ mod tests {
         let figures_at = figures(&drawn, Some(at(20)));
         let [tree, changes] = &figures_at[..] else { panic!("a tree and its changes") };
         assert!(words(tree).contains(&"t: tree after 20 s"), "{:?}", words(tree));
-        assert!(words(tree).contains(&"3 nodes, 2.0 hops in the mean, 3 at most"), "{:?}", words(tree));
+        assert!(words(tree).contains(&"3 nodes, 3 with a way: 2.0 hops in the mean, 3 at most"), "{:?}", words(tree));
         assert_eq!(lines(tree, LINK), 3 + 1);
         // After 10, 50 and 100 s: three links; one of them changed; one lost, and one node dead.
         assert_eq!((lines(changes, LINK), lines(changes, CHANGED)), (3 + 2 + 1 + 1, 1 + 1));
