@@ -5,7 +5,7 @@ use std::time::Duration;
 use sextant_kernel::SimTime;
 
 use crate::error::robot_log_error::RobotLogError;
-use crate::path::robot_path::Path;
+use crate::path::robot_path::{Path, span_of};
 use crate::time::instant;
 
 /// What became of the packets.
@@ -55,7 +55,7 @@ impl Cover {
             return Err(RobotLogError::NoPackets);
         };
         let Self { all, before, after, in_gaps, back, farthest_back, .. } = *self;
-        let path = span(paths.clone());
+        let path = span_of(paths.clone());
         if before + after + in_gaps == all {
             return Err(RobotLogError::NotCovered { count: all, packets, path, delay_s });
         }
@@ -84,11 +84,4 @@ impl Cover {
         }
         Ok(())
     }
-}
-
-/// The time from the start of the first of `paths` to the end of the last.
-pub(crate) fn span<'a>(paths: impl Iterator<Item = &'a Path> + Clone) -> (SimTime, SimTime) {
-    let start = paths.clone().map(|path| path.span().0).min();
-    let end = paths.map(|path| path.span().1).max();
-    (start.unwrap_or_default(), end.unwrap_or_default())
 }

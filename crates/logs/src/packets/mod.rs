@@ -1,6 +1,6 @@
 //! Packets that robots heard, and the reception log that is gathered from them.
 
-pub(crate) mod cover;
+mod cover;
 pub(crate) mod gathered;
 pub(crate) mod gatherer;
 mod heard;

@@ -168,6 +168,13 @@ impl Path {
     }
 }
 
+/// The time from the start of the first of `paths` to the end of the last.
+pub(crate) fn span_of<'a>(paths: impl Iterator<Item = &'a Path> + Clone) -> (SimTime, SimTime) {
+    let start = paths.clone().map(|path| path.span().0).min();
+    let end = paths.map(|path| path.span().1).max();
+    (start.unwrap_or_default(), end.unwrap_or_default())
+}
+
 /// The instant a span after another one, or the last instant that there is.
 pub(crate) fn later(time: SimTime, span: Duration) -> SimTime {
     let span_ns = u64::try_from(span.as_nanos()).unwrap_or(u64::MAX);

@@ -17,8 +17,7 @@ use crate::csv::table_source::TableSource;
 use crate::csv::times::Times;
 use crate::csv::written::Written;
 use crate::error::robot_log_error::RobotLogError;
-use crate::packets::cover;
-use crate::path::robot_path::Path;
+use crate::path::robot_path::{Path, span_of};
 use crate::time::instant;
 
 /// The columns of ranges as [`write`] writes them: with the robot's own place and velocity.
@@ -145,7 +144,7 @@ pub(crate) fn read(
         let mut problem =
             format!("{} have no range on the path or at a stop", counted(failed + zero + outside, "row"));
         if let (Some((first, last)), Whereabouts::Paths { paths, .. }) = (span, whereabouts) {
-            let (begin, end) = cover::span(paths.iter().copied());
+            let (begin, end) = span_of(paths.iter().copied());
             let [first, last, begin, end] = [first, last, begin, end].map(instant::format);
             let _ = write!(
                 problem,

@@ -51,7 +51,7 @@ mod tests {
     fn readings(failed_m: Option<f64>) -> Vec<TagReading> {
         let range_m = |number: u64| 3.0 + libm::sin(0.37 * number as f64);
         let reading = |number: u64| {
-            let failed_m = failed_m.filter(|_| number % 5 == 0);
+            let failed_m = failed_m.filter(|_| number.is_multiple_of(5));
             let time = SimTime::from_nanos(number * 100_000_000);
             TagReading::range((number % 3) as usize, time, failed_m.unwrap_or(range_m(number)))
         };

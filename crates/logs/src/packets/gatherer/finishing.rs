@@ -10,12 +10,11 @@ use super::{Gatherer, MOST_SILENT_PAIRS, RobotTrack, silent};
 use crate::doctor::{self, ClockDrift, ClockOffset};
 use crate::error::robot_log_error::RobotLogError;
 use crate::median::median_by;
-use crate::packets::cover;
 use crate::packets::gathered::Gathered;
 use crate::packets::heard::{HeardPackets, reception};
 use crate::packets::interval::{Gaps, Intervals, intervals};
 use crate::packets::sending::{self, MOST_SENT};
-use crate::path::robot_path::{Path, later};
+use crate::path::robot_path::{Path, later, span_of};
 use crate::path::slot::Slot;
 use crate::robot_log::RobotLog;
 use crate::time::instant;
@@ -41,7 +40,7 @@ impl Gatherer {
         let counts =
             all_gaps.map(Gaps::repeated).fold([0; 2], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
         self.findings.extend(doctor::repeated::finding(counts));
-        let path = cover::span(self.tracks.iter().map(|track| &track.path));
+        let path = span_of(self.tracks.iter().map(|track| &track.path));
         self.findings.extend(self.cover.placed_span().and_then(|packets| doctor::part::finding(packets, path)));
         let intervals = self.intervals();
         let pairs = self.names.len().saturating_mul(self.stops.len());
@@ -128,7 +127,7 @@ impl Gatherer {
         let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
         times.sort_unstable();
         times.dedup();
-        let (from, to) = cover::span(self.tracks.iter().map(|track| &track.path));
+        let (from, to) = span_of(self.tracks.iter().map(|track| &track.path));
         for track in &self.tracks {
             let mut counts = vec![0; track.slots.len()];
             sending::count(&track.slots, &mut counts, &times, interval, from, to);
