@@ -213,6 +213,10 @@ mod tests {
         assert_eq!((lines(changes, LINK), lines(changes, CHANGED)), (3 + 2 + 1 + 1, 1 + 1));
         assert!(words(changes).contains(&"node that died"), "{:?}", words(changes));
         let end = &figures(&drawn, None)[0];
-        assert!(words(end).contains(&"3 nodes, 1.0 hops in the mean, 1 at most, 1 without a way, 1 dead"));
+        assert!(
+            words(end).contains(&"3 nodes, 1 with a way: 1.0 hops in the mean, 1 at most, 1 without a way, 1 dead"),
+            "{:?}",
+            words(end)
+        );
     }
 }
