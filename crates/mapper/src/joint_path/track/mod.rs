@@ -55,7 +55,7 @@ pub struct TrackSettings {
 ///
 /// Without odometry, the tag moves with an acceleration that is white noise, whose strength the marginal likelihood chooses. With
 /// odometry, the robot that carries it moves as that says, but for scale, drift and noise. Track, law of ranges, law of strengths and
-/// height are one problem. The law of errors of ranges is that of [`RangeErrorLaw`], and strengths fall with the logarithm of the
+/// height are one problem. The law of errors of ranges is that of [`RangeErrorLaw`](sextant_channel::RangeErrorLaw), and strengths fall with the logarithm of the
 /// distance, with errors of Student's law. Each is raised to one over its autocorrelation time.
 ///
 /// # Errors
