@@ -44,8 +44,9 @@ class Tracks:
     def track(self) -> Any:
         """The poses of all tags, a row each, in the order of time of each tag.
 
-        Columns: ``t_s``, ``tag``, ``x_m``, ``y_m``, ``z_m``; the entries ``cov_xx_m2``, ``cov_xy_m2``, ``cov_yy_m2`` of the covariance
-        (m²); ``velocity_x_m_per_s``, ``velocity_y_m_per_s``. It is a data frame of the library of the log, or a :class:`Table`.
+        Columns: ``t_s``, ``tag``, ``x_m``, ``y_m``, ``z_m``; the entries ``cov_xx_m2``, ``cov_xy_m2``, ``cov_yy_m2``, ``cov_zz_m2`` of
+        the covariance (m²), the last one empty where the height is given; ``velocity_x_m_per_s``, ``velocity_y_m_per_s``. It is a data
+        frame of the library of the log, or a :class:`Table`.
         """
         return as_like(self._native.track, self._like)
 

@@ -128,6 +128,7 @@ impl Tracks {
             .numbers("cov_xx_m2", numbers(|pose| pose.covariance[0][0]))
             .numbers("cov_xy_m2", numbers(|pose| pose.covariance[0][1]))
             .numbers("cov_yy_m2", numbers(|pose| pose.covariance[1][1]))
+            .optional_numbers("cov_zz_m2", poses().map(|(_, pose)| pose.height_variance_m2))
             .numbers("velocity_x_m_per_s", numbers(|pose| pose.velocity_m_per_s[0]))
             .numbers("velocity_y_m_per_s", numbers(|pose| pose.velocity_m_per_s[1]))
             .table()
