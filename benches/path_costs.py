@@ -64,4 +64,5 @@ def main():
         print(f"| {poses} | {nodes} | {wall_s:.1f} | {memory / 1e6:.0f} | {summary['path']['moved']} |", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
