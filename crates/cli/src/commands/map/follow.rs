@@ -156,8 +156,8 @@ impl Story for LogStory {
     }
 
     fn rest(&self, took: Duration) -> Duration {
-        // What is quick follows at once, and ends the whole map.
-        if self.quick.is_empty() { APART.max(took * SHARE) } else { APART.max(took) }
+        // What is quick follows at once.
+        if self.quick.is_empty() { APART.max(took * SHARE) } else { APART }
     }
 
     fn document(&mut self, _is_last: bool) -> Result<Option<Document>, String> {
