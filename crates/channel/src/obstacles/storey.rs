@@ -102,12 +102,12 @@ impl Storeys {
             None => 0.0,
         };
         let below = self.storeys.last();
-        let lowest_m = below.map(|below| below.floor_m + below.height_m + thickness_m);
+        let lowest_m = below.map(|below| to_nm(below.floor_m + below.height_m + thickness_m));
         let floor_m = SettingError::finite("floor_m", config.floor_m.or(lowest_m).unwrap_or(0.0))?;
         if let (Some(below), Some(lowest_m)) = (below, lowest_m)
             && floor_m < lowest_m - LEVEL_M
         {
-            let ceiling_m = below.floor_m + below.height_m;
+            let ceiling_m = to_nm(below.floor_m + below.height_m);
             let slab =
                 if thickness_m > 0.0 { format!(", and the slab is {thickness_m} m thick") } else { String::new() };
             let allowed = format!("at least {lowest_m}: the ceiling of `{}` is at {ceiling_m} m{slab}", below.name);
@@ -151,7 +151,7 @@ impl Storeys {
             return Err(SettingError::new("bottom_m", wall.bottom_m, allowed));
         }
         if wall.bottom_m + height_m > storey.height_m + LEVEL_M {
-            let most_m = storey.height_m - wall.bottom_m;
+            let most_m = to_nm(storey.height_m - wall.bottom_m);
             let allowed = format!(
                 "at most {most_m}: `{name}` is {} m high; a wall over several storeys names none",
                 storey.height_m
@@ -170,6 +170,11 @@ impl Storeys {
     pub fn slabs(&self) -> impl Iterator<Item = (usize, &Obstacle)> {
         self.storeys.iter().enumerate().filter_map(|(number, storey)| Some((number, storey.slab.as_ref()?)))
     }
+}
+
+/// A height (m) to the nanometre: sums of heights read as people write them.
+fn to_nm(height_m: f64) -> f64 {
+    (height_m * 1e9).round() / 1e9
 }
 
 impl SlabConfig {
@@ -225,7 +230,7 @@ mod tests {
         let storeys = Storeys::new(&building()).unwrap();
         let floors = ["ground", "first", "second"].map(|name| storeys.floor_m("storey", Some(name)).unwrap());
         assert!(
-            floors.iter().zip([0.0, 3.0, 5.7]).all(|(found, floor_m)| (found - floor_m).abs() < 1e-12),
+            floors.iter().zip([0.0_f64, 3.0, 5.7]).all(|(found, floor_m)| found.to_bits() == floor_m.to_bits()),
             "{floors:?}"
         );
         let field = ObstacleField::new(storeys.slabs().map(|(_, slab)| slab.clone()).collect());

@@ -48,7 +48,10 @@ function fewer(count, n, p) {
   return sum;
 }
 
-/** The usual measures that several maps have: each with its columns, one for each map. */
+/** What is compared first. */
+const FIRST = "position_error_m.mean";
+
+/** The usual measures that several maps have, errors of positions first: each with its columns, one for each map. */
 export function comparisons(measures) {
   const found = new Map();
   for (const column of measures.filter(({ of_map }) => of_map?.label)) {
@@ -56,7 +59,7 @@ export function comparisons(measures) {
     if (!found.has(measure)) found.set(measure, { name: measure, label, columns: [] });
     found.get(measure).columns.push(column);
   }
-  return [...found.values()].filter(({ columns }) => columns.length > 1);
+  return [...found.values()].filter(({ columns }) => columns.length > 1).sort((a, b) => (b.name === FIRST) - (a.name === FIRST));
 }
 
 /** The curves of a measure of several maps: those of each map, by its name. */

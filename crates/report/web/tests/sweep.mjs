@@ -43,13 +43,15 @@ export async function sweepInNode(test) {
   await test("a measure of several maps is one chart, with a curve for each of them", () => {
     const of = (map, measure, values, label) => ({ ...numbers(`${map}.${measure}`, values), label: label && `${map}: ${label}`, of_map: { map, measure, label } });
     const across = numbers("count", [1, 2]);
-    const measures = [of("a", "error", [1, 2], "Error (m)"), of("b", "error", [3, 4], "Error (m)"), of("a", "rounds", [5, 5]), numbers("mac.prr", [1, 1])];
+    const measures = [of("a", "error", [1, 2], "Error (m)"), of("b", "error", [3, 4], "Error (m)"), of("a", "rounds", [5, 5]), of("a", "position_error_m.mean", [1, 1], "Mean (m)"), numbers("mac.prr", [1, 1])];
     const [error, ...others] = comparisons(measures);
     assert.deepEqual([error.name, error.label, others.length], ["error", "Error (m)", 0]);
     const { xs, curves } = curvesOfMaps({ rows: 2, settings: [across], students_t_975: [12.7] }, across, error);
     assert.deepEqual([xs, curves.map(({ name, means }) => [name, means.map((mean) => mean.mean)])], [[1, 2], [["a", [1, 2]], ["b", [3, 4]]]]);
     assert.deepEqual(found(measures, " ERROR b").map(({ name }) => name), ["b.error"]);
-    assert.equal(found(measures, "").length, 4);
+    const second = comparisons([...measures, of("b", "position_error_m.mean", [2, 2], "Mean (m)")]).map(({ name }) => name);
+    assert.deepEqual(second, ["position_error_m.mean", "error"]);
+    assert.equal(found(measures, "").length, 5);
     assert.equal(found(measures, "nothing").length, 0);
   });
   await test("large whole numbers of a summary keep all digits", () => {
