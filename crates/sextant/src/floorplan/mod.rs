@@ -325,7 +325,8 @@ impl FloorPlan {
             let legs = wall.points_m.windows(2);
             legs.map(|leg| libm::hypot(leg[1][0] - leg[0][0], leg[1][1] - leg[0][1])).sum::<f64>()
         };
-        self.walls.iter().map(of).sum()
+        // The sum of nothing has a sign.
+        self.walls.iter().map(of).sum::<f64>() + 0.0
     }
 }
 
@@ -337,6 +338,28 @@ fn to_mm(length_m: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_walls_have_no_length_and_no_sign() {
+        assert_eq!(format!("{:.1}", FloorPlan::default().length_m()), "0.0");
+    }
+
+    #[test]
+    fn storeys_of_tables_are_laid_with_their_walls_and_slabs() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("walls.toml");
+        let text = "[[world.storeys]]\nname = \"ground\"\nheight_m = 2.5\n[[world.storeys]]\nname = \"upper\"\nheight_m = 2.5\n\
+                    slab = { corners_m = [[0, 0], [9, 0], [9, 9], [0, 9]], loss_db = 15 }\n\
+                    [[world.walls]]\npoints_m = [[1, 1], [8, 1]]\nstorey = \"upper\"\nmaterial = \"brick\"\n";
+        std::fs::write(&file, text).unwrap();
+        let field = read(&file, &FloorPlanOptions::default()).unwrap().obstacles().unwrap();
+        let tops = field.obstacles().iter().map(|obstacle| obstacle.shape().bounds());
+        let heights: Vec<[f64; 2]> = tops.map(|bounds| [bounds.min.z_m, bounds.max.z_m]).collect();
+        assert_eq!(heights, [[2.7, 5.2], [2.5, 2.7]]);
+        std::fs::write(&file, text.replace("storey = \"upper\"", "storey = \"attic\"")).unwrap();
+        let found = read(&file, &FloorPlanOptions::default()).unwrap().obstacles().unwrap_err().to_string();
+        assert!(found.contains("`world.walls[0].storey` is `attic`"), "{found}");
+    }
 
     #[test]
     fn options_without_effect_are_refused() {
