@@ -197,7 +197,7 @@ fn a_log_that_has_grown_is_mapped_again_without_a_second_choice() {
         let (quick, learned) = again.map_and_learn(&whole, &watched).unwrap();
         let [fewer, all] = [&watched, &from_start].map(|script| script.begun.lock().expect("nobody panics").len());
         // The choice maps parts of the log with each estimator.
-        assert_eq!((fewer, all > 1), (1, name == "auto"), "{name}: {fewer} of {all}");
+        assert!(if name == "auto" { 3 * fewer < all } else { fewer == all }, "{name}: {fewer} of {all}");
         assert!(watched.asked() <= from_start.asked(), "{name}: {} of {}", watched.asked(), from_start.asked());
         assert_eq!((quick.algorithm, quick.mapped()), (map.algorithm, map.mapped()));
         let apart = quick.positions().into_iter().zip(map.positions());
