@@ -198,7 +198,6 @@ fn a_log_that_has_grown_is_mapped_again_without_a_second_choice() {
         let [fewer, all] = [&watched, &from_start].map(|script| script.begun.lock().expect("nobody panics").len());
         // The choice maps parts of the log with each estimator.
         assert!(if name == "auto" { 3 * fewer < all } else { fewer == all }, "{name}: {fewer} of {all}");
-        assert!(watched.asked() <= from_start.asked(), "{name}: {} of {}", watched.asked(), from_start.asked());
         assert_eq!((quick.algorithm, quick.mapped()), (map.algorithm, map.mapped()));
         let apart = quick.positions().into_iter().zip(map.positions());
         let apart = apart.filter_map(|(one, other)| Some(one?.distance_m(other?))).fold(0.0, f64::max);
