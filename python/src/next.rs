@@ -64,7 +64,8 @@ pub(crate) fn next_stops<'py>(
         radius_m: asked.radius_m,
         robot: asked.robot,
     };
-    let found =
-        supervised(py, threads, progress.as_ref(), |supervisor| stops_of(&mut input, &settings, &asked, supervisor))?;
+    let found = supervised(py, threads, progress.as_ref(), |supervisor| {
+        stops_of(&mut input, &settings, &asked, supervisor).map(|(found, _)| found)
+    })?;
     of_serialized(py, &found.or_exception(py)?)
 }

@@ -76,6 +76,8 @@ pub use obstacles::field::ObstacleField;
 #[cfg(feature = "obstacles")]
 pub use obstacles::obstacle::{Obstacle, ObstacleConfig};
 #[cfg(feature = "obstacles")]
+pub use obstacles::storey::{SlabConfig, StoreyConfig, Storeys};
+#[cfg(feature = "obstacles")]
 pub use obstacles::wall::{OpeningConfig, USUAL_HEIGHT_M, USUAL_THICKNESS_M, WallConfig};
 pub use power::{Db, Dbm, Milliwatts};
 pub use propagation::environment::Environment;

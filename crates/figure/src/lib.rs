@@ -4,7 +4,7 @@
 //! recorded instant of a field has one, each application and its time series, each map, and each likelihood surface.
 //! The tree of packets over several hops has those of [`of_tree`]. Further ones are the distribution of each kind of error, the sector displacement, and the neighbour scattering in
 //! a map that the nodes computed. A recorded packet trace has those of [`of_packets`]. Maps that were computed just now have three more: regions of 95 % and names, the
-//! reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The
+//! reception curve against the data, and the residual of each stop. Stops to drive to next have [`of_next_stops`]. The same recording gives the same bytes. The
 //! colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
@@ -40,6 +40,7 @@ pub use paint::file::{Figure, FileFormat};
 pub use pictures::antenna::of_antenna;
 pub use pictures::gallery::{all, all_of_maps};
 pub use pictures::maps::estimated::{EstimatedMap, Model, ReceptionCurve};
+pub use pictures::maps::next_stops::{PlannedStop, of_next_stops};
 pub use pictures::networks::trees::of_tree;
 pub use pictures::packets::{PacketSource, TimeWindow, of_packets};
 pub use pictures::source::Source;

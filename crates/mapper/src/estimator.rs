@@ -104,6 +104,13 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         None
     }
 
+    /// The same estimator, quicker, for a log that has grown since this one `learned` from it: it begins with what is known. Its map
+    /// differs from one that is made from the start by what the search leaves open. `None` if it always begins from the start.
+    fn after(&self, learned: &EstimatorFindings) -> Option<Mapper> {
+        let _ = learned;
+        None
+    }
+
     /// The packets that nodes send for its map.
     fn messages(&self) -> Messages {
         if self.uses().contains(&KnowledgeKind::RobotReceptions) { Messages::Survey } else { Messages::Unknown }

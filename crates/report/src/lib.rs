@@ -41,6 +41,6 @@ pub use page::live_page;
 pub use plane::Plane;
 pub use reproduction::{Claims, Reproduction};
 pub use survey::{Contacts, Receptions, Sector, Stops, Survey};
-pub use sweep::{SweepColumn, SweepTable, SweepValues};
+pub use sweep::{MeasureOfMap, SweepColumn, SweepTable, SweepValues};
 pub use tree::{ChosenParents, Deaths, Tree};
 pub use world::{Body, Marks, PhaseSpan, Solid, Way, World};

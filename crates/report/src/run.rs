@@ -72,9 +72,15 @@ fn summary(run: &RecordedRun) -> Option<String> {
 
 /// What the user should know, by the summary.
 fn notes(summary: &str) -> Vec<String> {
-    let summary: Option<Value> = serde_json::from_str(summary).ok();
-    let notes = summary.and_then(|summary| serde_json::from_value(summary.get("notes")?.clone()).ok());
-    notes.unwrap_or_default()
+    let Ok(summary) = serde_json::from_str::<Value>(summary) else { return Vec::new() };
+    let is_interrupted = |part: &Value| part.get("interrupted").is_some_and(|interrupted| interrupted == true);
+    let ended = (is_interrupted(&summary) || summary.get("gathering").is_some_and(is_interrupted)).then(|| {
+        let at = summary.pointer("/simulation/sim_time_s").and_then(Value::as_f64);
+        let at = at.map_or_else(String::new, |time_s| format!(" at {time_s:.1} s of simulated time"));
+        format!("The run was interrupted{at}: what would have followed is missing.")
+    });
+    let told: Option<Vec<String>> = summary.get("notes").and_then(|notes| serde_json::from_value(notes.clone()).ok());
+    ended.into_iter().chain(told.unwrap_or_default()).collect()
 }
 
 /// The zero of the recording.
@@ -164,4 +170,19 @@ fn maps(drawn: &RecordedWorld, course: &RecordedCourse, nodes: usize, frame: &Fr
         }
     };
     drawn.maps.iter().map(map).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interrupted_run_is_told_before_all_other_notes() {
+        let interrupted = r#"{"simulation": {"sim_time_s": 12.25}, "interrupted": true, "notes": ["n"]}"#;
+        let told = "The run was interrupted at 12.2 s of simulated time: what would have followed is missing.";
+        assert_eq!(notes(interrupted), [told, "n"]);
+        let gathering = notes(r#"{"gathering": {"interrupted": true}}"#);
+        assert_eq!(gathering, ["The run was interrupted: what would have followed is missing."]);
+        assert!(notes(r#"{"gathering": {"interrupted": false}}"#).is_empty() && notes("{").is_empty());
+    }
 }

@@ -38,11 +38,26 @@ pub struct SweepColumn {
     /// What it is called on an axis, if it is one of the usual measures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
+    /// The map and the measure of it, if it is one of several maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of_map: Option<MeasureOfMap>,
     /// Whether it is 1 or 0 a run: its interval is that of a share.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_outcome: bool,
     /// The values.
     pub values: SweepValues,
+}
+
+/// A measure that several maps have.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasureOfMap {
+    /// The map.
+    pub map: String,
+    /// The measure, by its name in the table.
+    pub measure: String,
+    /// What the measure is called on an axis, if it is one of the usual ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
 }
 
 /// The values of a column.
@@ -101,6 +116,7 @@ impl SweepTable {
         let setting = |column: usize| SweepColumn {
             name: table.columns()[column].clone(),
             label: None,
+            of_map: None,
             is_outcome: false,
             values: values(runs.iter().map(|&run| table.cell(run, column)).collect()),
         };
@@ -111,19 +127,30 @@ impl SweepTable {
             let label = table.known(column).filter(|_| table.is_usual(column)).map(|measure| measure.label());
             if !table.is_of_maps(column) {
                 let cells = runs.iter().map(|&run| table.cell(run, column)).collect();
-                measures.push(SweepColumn { name: name.clone(), label, is_outcome, values: values(cells) });
+                measures.push(SweepColumn {
+                    name: name.clone(),
+                    label,
+                    of_map: None,
+                    is_outcome,
+                    values: values(cells),
+                });
                 continue;
             }
             // A row of the report is a run, so that a measure of maps has a column for each of them.
             for map in table.maps() {
                 let cell = |&run: &usize| table.row_of(run, map).map_or("", |row| table.cell(row, column));
-                let label = label.as_ref().map(|label| match table.maps() {
+                let own = label.as_ref().map(|label| match table.maps() {
                     [_] => label.clone(),
                     _ => format!("{map}: {label}"),
                 });
+                let of_map = (table.maps().len() > 1).then(|| MeasureOfMap {
+                    map: map.to_string(),
+                    measure: name.clone(),
+                    label: label.clone(),
+                });
                 let cells = runs.iter().map(cell).collect();
                 let name = format!("{map}.{name}");
-                measures.push(SweepColumn { name, label, is_outcome, values: values(cells) });
+                measures.push(SweepColumn { name, label: own, of_map, is_outcome, values: values(cells) });
             }
         }
         measures.retain(|column| !column.values.is_empty());

@@ -413,11 +413,12 @@ impl Scenario {
         let world = self.world();
         let applications = Some(self.missions().len()).filter(|&count| count > 0);
         let applications = applications.map(|count| counted(count, "application"));
-        let pieces: usize = world.walls.iter().map(ExactSizeIterator::len).sum();
+        let storeys = Some(self.config.world.storeys.len()).filter(|&count| count > 0);
         let walls = Some(world.walls.len()).filter(|&count| count > 0).map(|count| counted(count, "wall"));
-        [counted(world.nodes.len(), "node"), counted(world.obstacles.len() - pieces, "obstacle")]
+        [counted(world.nodes.len(), "node"), counted(world.obstacles_alone(), "obstacle")]
             .into_iter()
             .chain(walls)
+            .chain(storeys.map(|count| counted(count, "storey")))
             .chain([
                 counted(self.config.robots.len(), "robot"),
                 counted(self.config.sinks.len(), "sink"),

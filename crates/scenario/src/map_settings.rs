@@ -163,7 +163,7 @@ impl MapSettings {
         errors.take("metrics", config.metrics.check());
         let knows = |map: &MapJob| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
-            errors.take("world", config.world.set_up_obstacles(files)).map(|(obstacles, _)| obstacles)
+            errors.take("world", config.world.set_up_obstacles(files)).map(|world| world.obstacles)
         } else {
             None
         };

@@ -13,8 +13,15 @@ fn at(x_m: f64, y_m: f64) -> Position {
 
 fn world(field: ObstacleField) -> World {
     let region = RegionConfig::Disc { center_m: Position::ORIGIN, radius_m: 13.7 };
-    let lattice =
-        LatticeConfig { spacing_m: 1.0, jitter_m: 0.2, count: None, origin_m: None, clearance_m: 0.1, region };
+    let lattice = LatticeConfig {
+        spacing_m: 1.0,
+        jitter_m: 0.2,
+        count: None,
+        origin_m: None,
+        clearance_m: 0.1,
+        storey: None,
+        region,
+    };
     let nodes = place(&NodesConfig::Lattice(lattice), &field, 1);
     World { field, nodes, robot_radius_m: 0.2, reach_m: 6.0, fading: Some((2.7, 9.6)) }
 }

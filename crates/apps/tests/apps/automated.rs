@@ -9,7 +9,15 @@ use crate::world::{Trace, World, field, place};
 
 fn lattice(region: RegionConfig, spacing_m: f64, count: usize) -> NodesConfig {
     let count = Some(count);
-    NodesConfig::Lattice(LatticeConfig { spacing_m, jitter_m: 0.2, count, origin_m: None, clearance_m: 0.1, region })
+    NodesConfig::Lattice(LatticeConfig {
+        spacing_m,
+        jitter_m: 0.2,
+        count,
+        origin_m: None,
+        clearance_m: 0.1,
+        storey: None,
+        region,
+    })
 }
 
 fn survey(world: &World, config: &AutomatedSConfig, start: [f64; 2], seed: u64) -> Trace {

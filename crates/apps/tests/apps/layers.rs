@@ -8,8 +8,15 @@ use sextant_sim::layout::{LatticeConfig, NodesConfig, RegionConfig};
 use crate::world::{Trace, World, place, solid_field};
 
 fn world(region: RegionConfig, field: ObstacleField, reach_m: f64) -> World {
-    let lattice =
-        LatticeConfig { spacing_m: 1.0, jitter_m: 0.2, count: None, origin_m: None, clearance_m: 0.1, region };
+    let lattice = LatticeConfig {
+        spacing_m: 1.0,
+        jitter_m: 0.2,
+        count: None,
+        origin_m: None,
+        clearance_m: 0.1,
+        storey: None,
+        region,
+    };
     let nodes = place(&NodesConfig::Lattice(lattice), &field, 1);
     World { field, nodes, robot_radius_m: 0.2, reach_m, fading: None }
 }

@@ -7,5 +7,6 @@ pub(crate) mod mirror;
 pub(crate) mod obstacle;
 pub(crate) mod rays;
 pub(crate) mod sight;
+pub(crate) mod storey;
 mod together;
 pub(crate) mod wall;

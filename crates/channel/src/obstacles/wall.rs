@@ -20,12 +20,15 @@ pub struct WallConfig {
     /// Thickness (m).
     #[cfg_attr(feature = "config", serde(default = "usual_thickness_m"))]
     pub thickness_m: f64,
-    /// Height of its foot (m).
+    /// Name of the storey on whose floor it stands; heights are from zero if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub storey: Option<String>,
+    /// Height of its foot (m), above the floor of its storey if it has one.
     #[cfg_attr(feature = "config", serde(default))]
     pub bottom_m: f64,
-    /// Height from its foot to its top (m).
-    #[cfg_attr(feature = "config", serde(default = "usual_height_m"))]
-    pub height_m: f64,
+    /// Height from its foot to its top (m). If absent, it reaches to the ceiling of its storey, or is 2.5 m high if it has none.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub height_m: Option<f64>,
     /// Name of a known material. `concrete` is light and dry, and absorbs 0.30 times the decibels of `itu-concrete`, which is dense, at all
     /// carriers.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -82,11 +85,6 @@ pub const USUAL_HEIGHT_M: f64 = 2.5;
 #[cfg(feature = "config")]
 fn usual_thickness_m() -> f64 {
     USUAL_THICKNESS_M
-}
-
-#[cfg(feature = "config")]
-fn usual_height_m() -> f64 {
-    USUAL_HEIGHT_M
 }
 
 /// Two places are one if they are nearer than this (m).
@@ -162,14 +160,14 @@ struct Placed<'a> {
 
 impl WallConfig {
     /// The obstacles that the wall number `number` of a world consists of: one for each piece between corners and openings, what is
-    /// below and above openings, and what closes them. Pieces of one wall that touch are crossed in one passage.
+    /// below and above openings, and what closes them. Heights are from zero ([`Storeys::wall`](crate::Storeys::wall)). Pieces of one wall that touch are crossed in one passage.
     ///
     /// # Errors
     /// If a number is invalid, the wall has no length, a part is too short for its thickness, or an opening is not within one
     /// straight part, is higher than the wall or overlaps another one.
     pub fn obstacles(&self, number: usize) -> Result<Vec<Obstacle>, SettingError> {
         let thickness_m = SettingError::positive("thickness_m", self.thickness_m)?;
-        let height_m = SettingError::positive("height_m", self.height_m)?;
+        let height_m = SettingError::positive("height_m", self.height_m.unwrap_or(USUAL_HEIGHT_M))?;
         SettingError::finite("bottom_m", self.bottom_m)?;
         let segments = self.segments()?;
         let openings = self.placed_openings(&segments, height_m)?;

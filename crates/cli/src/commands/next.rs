@@ -5,20 +5,21 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sextant::mapping::{self, Input};
-use sextant::next::{NextSettings, map_settings, next_stops};
+use sextant::next::{self, NextSettings, map_settings, next_stops};
 use sextant::scenario::AlgorithmName;
+use sextant_figure::Figure;
 use sextant_recording::admission::{OutputKind, Outputs};
-use sextant_recording::output::write_file;
+use sextant_recording::output::{open_folder, write_file};
 
 use super::floorplan;
-use super::map::algorithms;
-use super::options::{Printing, Work};
+use super::map::{algorithms, title};
+use super::options::{Format, PictureFormat, Printing, Work};
 use super::outputs::{Replacing, admit, keep_logs, reads_given};
 use super::reading::Reading;
 use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, stdout};
 
 /// Arguments of `sextant next`.
 #[derive(Clone, Debug, Args)]
@@ -67,6 +68,13 @@ pub(crate) struct Arguments {
     /// Write the stops to this CSV file, with the columns of stops.csv: stop,t_s,x_m,y_m,z_m, and lat,lon if the log has them
     #[arg(long, value_name = "STOPS.csv")]
     pub(crate) out: Option<PathBuf>,
+    /// Draw the figure `next` to a file in this folder: the stops and the way over them on the map. It is created if it does not
+    /// exist
+    #[arg(long, value_name = "DIR")]
+    pub(crate) figure: Option<PathBuf>,
+    /// The format of the figure
+    #[arg(long, value_enum, default_value_t, requires = "figure")]
+    pub(crate) figure_format: PictureFormat,
     /// How results are printed.
     #[command(flatten)]
     pub(crate) printing: Printing,
@@ -107,16 +115,38 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let found = next_stops(&mut input, &settings, &next, &watcher);
     watcher.clear();
-    let mut found = found?;
+    let (mut found, map) = found?;
     found.notes.iter_mut().for_each(|note| *note = with_flags(note));
     found.notes.iter().for_each(|note| arguments.work.note(note));
     if let Some(out) = &arguments.out {
         write_file(out, found.to_csv().as_bytes())?;
     }
-    Ok(arguments.printing.print(&found, |stdout| write!(stdout, "{found}"))?)
+    arguments.printing.print(&found, |stdout| write!(stdout, "{found}"))?;
+    if let Some(folder) = &arguments.figure {
+        let figure = next::figure(&title(&arguments.log), &input, &map, &found)?;
+        arguments.write(&figure, folder)?;
+    }
+    Ok(())
 }
 
 impl Arguments {
+    /// Writes the figure to a file in `folder` and tells its name.
+    fn write(&self, figure: &Figure, folder: &Path) -> Result<(), Failure> {
+        let format = self.figure_format.into();
+        let file = figure.path(folder, format);
+        open_folder(folder)?;
+        let mut outputs = self.inputs();
+        outputs.writes("", &file, OutputKind::Picture);
+        admit(&outputs, Some(self.work))?;
+        let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
+        write_file(&file, &bytes)?;
+        match self.printing.format {
+            Format::Text => writeln!(stdout(), "{}", file.display())?,
+            Format::Json => self.work.note(&format!("wrote {}", file.display())),
+        }
+        Ok(())
+    }
+
     /// The files that are read.
     fn inputs<'a>(&self) -> Outputs<'a> {
         let mut outputs = self.replacing.outputs();

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use sextant_recording::Relay;
 
 use self::browser::RunView;
-pub(crate) use self::browser::{BrowserView, Document, Place, Story};
+pub(crate) use self::browser::{APART, BrowserView, Document, Place, SHARE, Story};
 #[cfg(feature = "foxglove")]
 use self::foxglove::FoxgloveView;
 use self::pace::Pace;

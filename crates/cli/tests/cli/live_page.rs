@@ -184,6 +184,14 @@ fn a_log_that_grows_is_mapped_again_and_what_changed_is_told() {
     let later =
         page.eventually(|state| state["news"].as_str().is_some_and(|news| news.starts_with("36 stops, 2 nodes")));
     assert!(later["news"].as_str().unwrap().contains("moved by"), "{later}");
+    assert!(later["news"].as_str().unwrap().ends_with("the whole one follows when the log rests"), "{later}");
+    // What follows is as if the log had never been shorter.
+    page.eventually(|state| state["news"].as_str().is_some_and(|news| !news.contains("quick map")));
+    let mut anew = Page::of(&mut follow(log));
+    anew.eventually(|state| state["document"] == 1);
+    assert_eq!(page.json("GET", "document"), anew.json("GET", "document"));
+    signal(&anew.child, "-INT");
+    assert_eq!(anew.child.wait().unwrap().code(), Some(0));
     // A line that is not whole yet takes nothing away.
     fs::write(log.join("stops.csv"), "stop,x_m,y_m\n0,0").unwrap();
     page.eventually(|state| {

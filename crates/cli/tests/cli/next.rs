@@ -62,6 +62,10 @@ fn stops_are_beside_the_way_and_within_the_area() {
     assert!(text.contains("nodes that gain") && text.contains("the expected error falls from"), "{text}");
     let csv = fs::read_to_string(path.join("next.csv")).unwrap();
     assert!(csv.starts_with("stop,t_s,x_m,y_m,z_m\nnext1,") && csv.lines().count() == stops.len() + 1, "{csv}");
+    let drawn = next(path, &[&words[..], &["--figure", "pictures"]].concat());
+    assert!(String::from_utf8_lossy(&drawn.stdout).ends_with("pictures/next.svg\n"), "{drawn:?}");
+    let picture = fs::read_to_string(path.join("pictures/next.svg")).unwrap();
+    assert!(picture.contains("next1") && picture.contains("the expected error falls from"), "{picture}");
     let again = next(path, &[&words[..], &["--out", "next.csv"]].concat());
     assert_eq!(again.status.code(), Some(2), "a plan is not replaced without --force");
 }

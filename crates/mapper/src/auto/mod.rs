@@ -1,5 +1,6 @@
 //! The estimator that suits a log, chosen by the log.
 
+mod again;
 mod agreement;
 mod fall_of_strength;
 mod folds;
@@ -9,6 +10,8 @@ mod report;
 mod rules;
 mod score;
 mod widths;
+
+use std::sync::Arc;
 
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
@@ -80,6 +83,8 @@ pub struct Auto {
     fitted: FittedMlTm,
     self_calibrated: SelfCalibrated,
     by_ranges: Mapper,
+    /// What it chose for the log when that was shorter: no other estimator is tried.
+    before: Option<Arc<Choice>>,
 }
 
 /// What was learned about a log and its estimators.
@@ -173,21 +178,16 @@ impl Auto {
         prior: Option<&PlacePrior>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<Choice>), MapError> {
+        if let Some(again) = self.map_again(log, prior, watch)? {
+            return Ok(again);
+        }
         let heard = heard_nodes(log);
         let reach_m = reach_m(log, &heard);
         let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
         let mut link_model = self.link_model.with_hearing_of(log);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
-            if let Some(gains) = gains_of(log) {
-                let pattern = PatternMap {
-                    grid_step_m: reach_m / STEPS_PER_REACH,
-                    estimate: EstimateKind::PosteriorMean,
-                    z_range_m: self.z_range_m,
-                    counts: CountRule::Packets,
-                };
-                candidates.push(Candidate::Pattern(pattern, gains));
-            }
+            candidates.extend(self.pattern(log, reach_m));
             candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
         }
         let mut trials = Trials { parts: vec![Vec::new(); candidates.len()], ..Trials::default() };
@@ -246,11 +246,7 @@ impl Auto {
         enlarge(&mut map, enlargement);
         let opinions = match (candidate, &fit) {
             (Candidate::LinkModel(_), Some(EstimatorFit::Links(fit))) if prior.is_none() => {
-                let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
-                let others = OtherOpinions::of(log, source, watch)?;
-                let others = if fit.has_far_nodes { others.amid_stops(log, &map) } else { others };
-                let constants = OpinionConstants::LEARNT.wider_by(enlargement.sqrt());
-                let joined = others.join(&mut map, gain.mean(), &constants);
+                let joined = join_opinions(&mut map, log, fit, (gain.mean(), enlargement), watch)?;
                 joined.map(|joined| if is_own_law { Opinions { own_share: 1.0, ..joined } } else { joined })
             }
             _ => None,
@@ -258,6 +254,17 @@ impl Auto {
         map.algorithm = Self::NAME;
         let choice = Choice { scores, chosen: candidate.name(), reason, fit, enlargement, opinions };
         Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
+    }
+
+    /// The map by the gains of sectors, where `log` knows them.
+    fn pattern<'a>(&self, log: &'a ReceptionLog, reach_m: f64) -> Option<Candidate<'a>> {
+        let pattern = PatternMap {
+            grid_step_m: reach_m / STEPS_PER_REACH,
+            estimate: EstimateKind::PosteriorMean,
+            z_range_m: self.z_range_m,
+            counts: CountRule::Packets,
+        };
+        gains_of(log).map(|gains| Candidate::Pattern(pattern, gains))
     }
 
     /// Whether nodes are searched for in space.
@@ -273,6 +280,20 @@ impl Trials {
         !self.has_strengths
             || score::strengths_confirm(&self.predicted[number], &self.predicted[LINKS], self.gain.mean())
     }
+}
+
+/// Joins other opinions with the places of `map` by the link model, whose law has this gain and whose variances were enlarged.
+fn join_opinions(
+    map: &mut TopologyMap,
+    log: &ReceptionLog,
+    fit: &LinkFit,
+    (gain, enlargement): (Option<f64>, f64),
+    watch: &dyn Watch,
+) -> Result<Option<Opinions>, MapError> {
+    let source = if fit.receiver.is_some() { OpinionSource::Strengths } else { OpinionSource::Packets };
+    let others = OtherOpinions::of(log, source, watch)?;
+    let others = if fit.has_far_nodes { others.amid_stops(log, map) } else { others };
+    Ok(others.join(map, gain, &OpinionConstants::LEARNT.wider_by(enlargement.sqrt())))
 }
 
 /// Takes what each candidate makes of `fold`; the law of its links.
@@ -393,6 +414,7 @@ impl TryFrom<AutoConfig> for Auto {
                 ..SelfCalibratedConfig::default()
             })?,
             by_ranges: RangeMlConfig { z_range_m, ..RangeMlConfig::default() }.mapper()?,
+            before: None,
         })
     }
 }
@@ -416,6 +438,11 @@ impl Estimator for Auto {
 
     fn by_ranges(&self) -> Option<&Mapper> {
         Some(&self.by_ranges)
+    }
+
+    fn after(&self, learned: &EstimatorFindings) -> Option<Mapper> {
+        let before = Some(Arc::new(learned.get::<Choice>()?.clone()));
+        Some(Mapper::new(Self { before, ..self.clone() }))
     }
 
     fn estimate(

@@ -7,12 +7,14 @@ import { category, ink, onTheme } from "./palette.js";
 import { behind, dataTable } from "./table.js";
 import { isolated } from "./text.js";
 
+/** Width of a tick with its text (px). */
+const ROOM = 46;
 const PATTERNS = [[], [9, 4], [2, 3], [9, 3, 2, 3]];
 
 /**
  * A chart. `x` are the numbers on the axis across, `series` are `{ name, values, low?, high?, counts?, color? }`, where `low` and
  * `high` are the ends of an interval, and `counts` says of how many runs each value is the mean. Options: `across`, `up` (names of
- * the axes with units), `textAcross` (the text of a number across), `steps`, `logarithmic`, `points`, `top`.
+ * the axes with units), `ticks` (the numbers across that have a tick, if there is room for them), `textAcross` (the text of a number across), `steps`, `logarithmic`, `points`, `top`.
  */
 export function chart(title, x, series, options) {
   const box = element("div", { class: "plot", role: "img", "aria-label": spoken(title, x, series, options) });
@@ -43,7 +45,7 @@ export function chart(title, x, series, options) {
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, points: { size: 7 } },
       scales: { x: { time: false, distr: options.logarithmic ? 3 : 1 }, y: options.top ? { range: [0, options.top] } : { range: (_, low, high) => padded(low, high) } },
-      axes: [{ ...axis, label: options.across, size: 34 }, { ...axis, label: options.up, size: 58 }],
+      axes: [{ ...axis, label: options.across, size: 34, ...(options.ticks ? { splits: (u) => roomy(options.ticks, (tick) => u.valToPos(tick, "x")), values: (_, ticks) => ticks.map(textAcross) } : {}) }, { ...axis, label: options.up, size: 58 }],
       series: [{ label: options.across, value: (_, value) => number(value) }, ...lines],
       bands: bands.map(({ series: pair, color: one }) => ({ series: pair, fill: faded(color(one)) })),
       hooks: { setCursor: [(u) => tell(u)] },
@@ -79,6 +81,15 @@ export function chart(title, x, series, options) {
   return element("figure", { class: "chart" }, element("figcaption", {}, title), box, read,
     series.length > 1 ? element("ul", { class: "legend" }, keys) : null,
     behind("Data of this chart", () => dataTable(title, columns, x.length)));
+}
+
+/** Those of `ticks` whose texts do not overlap: the last one, and as many before it as there is room for. */
+export function roomy(ticks, at) {
+  const kept = [];
+  for (const tick of [...ticks].reverse()) {
+    if (kept.length === 0 || Math.abs(at(kept[0]) - at(tick)) >= ROOM) kept.unshift(tick);
+  }
+  return kept;
 }
 
 function padded(low, high) {

@@ -48,6 +48,36 @@ function fewer(count, n, p) {
   return sum;
 }
 
+/** What is compared first. */
+const FIRST = "position_error_m.mean";
+
+/** The usual measures that several maps have, errors of positions first: each with its columns, one for each map. */
+export function comparisons(measures) {
+  const found = new Map();
+  for (const column of measures.filter(({ of_map }) => of_map?.label)) {
+    const { measure, label } = column.of_map;
+    if (!found.has(measure)) found.set(measure, { name: measure, label, columns: [] });
+    found.get(measure).columns.push(column);
+  }
+  return [...found.values()].filter(({ columns }) => columns.length > 1).sort((a, b) => (b.name === FIRST) - (a.name === FIRST));
+}
+
+/** The curves of a measure of several maps: those of each map, by its name. */
+export function curvesOfMaps(sweep, across, { columns }) {
+  const each = columns.map((column) => ({ map: isolated(column.of_map.map), ...curvesOf(sweep, across, column) }));
+  const curves = each.flatMap(({ map, curves }) => curves.map(({ name, means }) => ({ name: name === ALONE ? map : `${map}, ${name}`, means })));
+  return { xs: each[0].xs, curves };
+}
+
+/** The columns whose name or label has all of the words, in upper or lower case. */
+export function found(columns, words) {
+  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
+  return columns.filter(({ name, label }) => wanted.every((word) => `${name} ${label ?? ""}`.toLowerCase().includes(word)));
+}
+
+/** The name of a curve beside which there is no other. */
+const ALONE = "mean";
+
 /** The curves of a measure: one for each combination of the other settings. */
 export function curvesOf(sweep, across, measure) {
   const others = sweep.settings.filter((column) => column !== across);
@@ -56,7 +86,7 @@ export function curvesOf(sweep, across, measure) {
   for (let row = 0; row < sweep.rows; row++) {
     const value = measure.values.numbers[row];
     if (!Number.isFinite(value)) continue;
-    const name = others.map((column) => `${isolated(last(column.name))} ${isolated(textOf(column, row))}`).join(", ") || "mean";
+    const name = others.map((column) => `${isolated(last(column.name))} ${isolated(textOf(column, row))}`).join(", ") || ALONE;
     if (!groups.has(name)) groups.set(name, xs.map(() => []));
     groups.get(name)[across ? xs.indexOf(across.values.numbers[row]) : 0].push(value);
   }

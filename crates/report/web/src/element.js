@@ -33,6 +33,23 @@ export function choice(label, options, value, onchange) {
   return element("div", { class: "field" }, element("label", { for: id }, label), select);
 }
 
+/** A labelled choice, with a field that leaves those options that `matching` finds for its words. */
+export function searchedChoice(label, optionsFor, onchange) {
+  const made = choice(label, optionsFor(""), "", onchange);
+  const select = made.querySelector("select");
+  const id = identity("search");
+  const count = element("output", { for: id, class: "faint" });
+  const search = element("input", { id, type: "search", oninput: () => {
+    const options = optionsFor(search.value);
+    select.replaceChildren(...options.map(([key, text]) => element("option", { value: key }, text)));
+    const matches = options.filter(([key]) => key !== "");
+    count.textContent = search.value.trim() ? `${matches.length} found` : "";
+    select.value = search.value.trim() && matches.length > 0 ? matches[0][0] : "";
+    onchange(select.value);
+  } });
+  return [element("div", { class: "field" }, element("label", { for: id }, `Search ${label.toLowerCase()}`), search, count), made];
+}
+
 /** A labelled box to tick. */
 export function tick(label, checked, onchange) {
   const id = identity("tick");

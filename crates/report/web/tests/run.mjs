@@ -225,6 +225,30 @@ async function regions(name, browser) {
   });
 }
 
+/** The page of a sweep finds a measure by a part of its name. */
+async function sweeps(name, browser) {
+  await test(`${name}: a measure of a sweep is found by its name, and ticks are at the values that were run`, async () => {
+    const opened = await open(browser, join(folder, "sweep.html"));
+    const { page } = opened;
+    const charts = () => page.evaluate(() => document.querySelectorAll("#sweep .grid figure").length);
+    const atFirst = await charts();
+    await page.evaluate(() => document.querySelector("#sweep input[type=search]").focus());
+    await page.keyboard.type("delivered");
+    const found = await page.evaluate(() => ({
+      options: [...document.querySelectorAll("#sweep select")].at(-1).options.length,
+      all: sextantReport.report.sweep.measures.length,
+      said: document.querySelector("#sweep output").textContent,
+    }));
+    assert.ok(found.options >= 2 && found.options < found.all / 2, JSON.stringify(found));
+    assert.equal(found.said, `${found.options - 1} found`);
+    assert.equal(await charts(), 1);
+    await page.evaluate(() => { const search = document.querySelector("#sweep input[type=search]"); search.value = ""; search.dispatchEvent(new Event("input")); });
+    assert.equal(await charts(), atFirst);
+    isQuiet(opened);
+    await page.close();
+  });
+}
+
 /** The tree of a network follows the slider. */
 async function networks(name, browser) {
   if (!reports.includes("network.html")) return;
@@ -355,6 +379,7 @@ for (const name of Object.keys(installed)) {
   await compares(name, browser);
   await live(name, browser);
   await regions(name, browser);
+  await sweeps(name, browser);
   await networks(name, browser);
   await namesInPage(test, name, browser, join(folder, "names.html"));
   if (name === "chromium") await limits(browser);

@@ -1,7 +1,7 @@
 // Curves of sweeps and exact numbers, without a browser.
 
 import { strict as assert } from "node:assert";
-import { curvesOf, meanOf, shareOf } from "../src/curves.js";
+import { comparisons, curvesOf, curvesOfMaps, found, meanOf, shareOf } from "../src/curves.js";
 import { exact } from "../src/format.js";
 import { documentOf } from "../src/payload.js";
 
@@ -39,6 +39,20 @@ export async function sweepInNode(test) {
     const many = shareOf([...Array(900).fill(1), ...Array(100).fill(0)]);
     assert.ok(many.low > 0.87 && many.low < 0.89 && many.high > 0.91 && many.high < 0.92, JSON.stringify(many));
     assert.deepEqual(shareOf([1]), { mean: 1, low: null, high: null, n: 1 });
+  });
+  await test("a measure of several maps is one chart, with a curve for each of them", () => {
+    const of = (map, measure, values, label) => ({ ...numbers(`${map}.${measure}`, values), label: label && `${map}: ${label}`, of_map: { map, measure, label } });
+    const across = numbers("count", [1, 2]);
+    const measures = [of("a", "error", [1, 2], "Error (m)"), of("b", "error", [3, 4], "Error (m)"), of("a", "rounds", [5, 5]), of("a", "position_error_m.mean", [1, 1], "Mean (m)"), numbers("mac.prr", [1, 1])];
+    const [error, ...others] = comparisons(measures);
+    assert.deepEqual([error.name, error.label, others.length], ["error", "Error (m)", 0]);
+    const { xs, curves } = curvesOfMaps({ rows: 2, settings: [across], students_t_975: [12.7] }, across, error);
+    assert.deepEqual([xs, curves.map(({ name, means }) => [name, means.map((mean) => mean.mean)])], [[1, 2], [["a", [1, 2]], ["b", [3, 4]]]]);
+    assert.deepEqual(found(measures, " ERROR b").map(({ name }) => name), ["b.error"]);
+    const second = comparisons([...measures, of("b", "position_error_m.mean", [2, 2], "Mean (m)")]).map(({ name }) => name);
+    assert.deepEqual(second, ["position_error_m.mean", "error"]);
+    assert.equal(found(measures, "").length, 5);
+    assert.equal(found(measures, "nothing").length, 0);
   });
   await test("large whole numbers of a summary keep all digits", () => {
     const summary = '{"scenario":{"seed":18446744073709551615,"name":"a 9007199254740993 \\"b"},"n":[-9007199254740993,12,1.5e300,9007199254740993.5,0.12345678901234567,1e25]}';

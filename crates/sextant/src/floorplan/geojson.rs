@@ -150,7 +150,7 @@ fn plan(path: &Path, text: &str, options: &FloorPlanOptions) -> Result<FloorPlan
             name: reader.text(&properties, "name"),
             thickness_m: reader.number(&properties, "thickness_m", options.thickness_m),
             bottom_m: reader.number(&properties, "bottom_m", 0.0),
-            height_m: reader.number(&properties, "height_m", options.height_m),
+            height_m: Some(reader.number(&properties, "height_m", options.height_m)),
             material: Some(reader.text(&properties, "material").unwrap_or_else(|| options.material.clone())),
             ..options.wall(points.iter().map(|point| point.map(to_mm)).collect())
         };
@@ -401,9 +401,9 @@ mod tests {
              "geometry": {"type": "Polygon", "coordinates": [[[0, 2], [4, 2], [4, 6], [0, 6]]]}}]}"#;
         let plan = read_text(text, &in_metres).unwrap();
         let [line, border] = &plan.walls[..] else { panic!("two walls") };
-        assert_eq!((line.name.as_deref(), line.height_m, line.thickness_m), (Some("12"), 4.0, 0.3));
+        assert_eq!((line.name.as_deref(), line.height_m, line.thickness_m), (Some("12"), Some(4.0), 0.3));
         assert_eq!(line.material.as_deref(), Some("brick"));
-        assert_eq!((border.height_m, border.thickness_m), (in_metres.height_m, in_metres.thickness_m));
+        assert_eq!((border.height_m, border.thickness_m), (Some(in_metres.height_m), in_metres.thickness_m));
         assert_eq!((border.points_m.len(), border.points_m[0]), (5, border.points_m[4]));
         let notes = plan.notes.join("\n");
         for part in [

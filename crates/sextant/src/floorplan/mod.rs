@@ -17,7 +17,9 @@ mod traced;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Material, Obstacle, ObstacleConfig, ObstacleField, PrismConfig, ShapeConfig, WallConfig};
+use sextant_channel::{
+    Material, Obstacle, ObstacleConfig, ObstacleField, PrismConfig, ShapeConfig, StoreyConfig, Storeys, WallConfig,
+};
 use sextant_kernel::{Files, SettingError};
 use sextant_logs::LocalPlane;
 use sextant_mapper::convex_hull;
@@ -73,7 +75,8 @@ impl FloorPlanOptions {
             points_m,
             thickness_m: self.thickness_m,
             bottom_m: 0.0,
-            height_m: self.height_m,
+            storey: None,
+            height_m: Some(self.height_m),
             material: Some(self.material.clone()),
             absorption_per_m: None,
             loss_db: None,
@@ -90,6 +93,8 @@ pub struct FloorPlan {
     pub walls: Vec<WallConfig>,
     /// What is thicker than walls: pillars, shafts, furniture.
     pub blocks: Vec<ObstacleConfig>,
+    /// The storeys, of walls and obstacles of a scenario.
+    pub storeys: Vec<StoreyConfig>,
     /// What the user should know, above all what was not read.
     pub notes: Vec<String>,
     /// Whether its places were given by longitude and latitude.
@@ -144,12 +149,14 @@ fn of_tables(path: &Path) -> Result<FloorPlan, FloorPlanError> {
         walls: Vec<WallConfig>,
         #[serde(default)]
         obstacles: Vec<ObstacleConfig>,
+        #[serde(default)]
+        storeys: Vec<StoreyConfig>,
     }
     let text = std::fs::read_to_string(path)
         .map_err(|why| FloorPlanError::Read { path: path.to_owned(), why: why.to_string() })?;
-    let Tables { world: World { walls, obstacles } } = toml::from_str(&text)
+    let Tables { world: World { walls, obstacles, storeys } } = toml::from_str(&text)
         .map_err(|why| FloorPlanError::Content { path: path.to_owned(), problem: why.to_string() })?;
-    Ok(FloorPlan { walls, blocks: obstacles, ..FloorPlan::default() })
+    Ok(FloorPlan { walls, blocks: obstacles, storeys, ..FloorPlan::default() })
 }
 
 fn check(options: &FloorPlanOptions) -> Result<(), FloorPlanError> {
@@ -250,7 +257,7 @@ impl FloorPlan {
             shape: ShapeConfig::Prism(PrismConfig {
                 corners_m: convex_hull(points.clone()),
                 bottom_m: wall.bottom_m,
-                height_m: wall.height_m,
+                height_m: wall.height_m.unwrap_or(options.height_m),
             }),
             material: wall.material.clone(),
             absorption_per_m: None,
@@ -278,11 +285,13 @@ impl FloorPlan {
         #[derive(Serialize)]
         struct World<'a> {
             #[serde(skip_serializing_if = "<[_]>::is_empty")]
+            storeys: &'a [StoreyConfig],
+            #[serde(skip_serializing_if = "<[_]>::is_empty")]
             walls: &'a [WallConfig],
             #[serde(skip_serializing_if = "<[_]>::is_empty")]
             obstacles: &'a [ObstacleConfig],
         }
-        let world = World { walls: &self.walls, obstacles: &self.blocks };
+        let world = World { storeys: &self.storeys, walls: &self.walls, obstacles: &self.blocks };
         let tables = toml::to_string(&Tables { world }).expect("tables of numbers and names");
         format!(
             "# Walls of the floor plan {source}. A scenario takes them with `extends`. Lengths are in metres.\n\
@@ -300,9 +309,12 @@ impl FloorPlan {
             let read = Obstacle::read_all(block.clone(), &Files::default());
             all.extend(read.map_err(|error| error.within(format!("world.obstacles[{i}]")))?);
         }
+        let storeys = Storeys::new(&self.storeys).map_err(|error| error.within("world"))?;
         for (i, wall) in self.walls.iter().enumerate() {
-            all.extend(wall.obstacles(i).map_err(|error| error.within(format!("world.walls[{i}]")))?);
+            let pieces = storeys.wall(wall).and_then(|wall| wall.obstacles(i));
+            all.extend(pieces.map_err(|error| error.within(format!("world.walls[{i}]")))?);
         }
+        all.extend(storeys.slabs().map(|(_, slab)| slab.clone()));
         Ok(ObstacleField::new(all))
     }
 
@@ -313,7 +325,8 @@ impl FloorPlan {
             let legs = wall.points_m.windows(2);
             legs.map(|leg| libm::hypot(leg[1][0] - leg[0][0], leg[1][1] - leg[0][1])).sum::<f64>()
         };
-        self.walls.iter().map(of).sum()
+        // The sum of nothing has a sign.
+        self.walls.iter().map(of).sum::<f64>() + 0.0
     }
 }
 
@@ -325,6 +338,28 @@ fn to_mm(length_m: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_walls_have_no_length_and_no_sign() {
+        assert_eq!(format!("{:.1}", FloorPlan::default().length_m()), "0.0");
+    }
+
+    #[test]
+    fn storeys_of_tables_are_laid_with_their_walls_and_slabs() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("walls.toml");
+        let text = "[[world.storeys]]\nname = \"ground\"\nheight_m = 2.5\n[[world.storeys]]\nname = \"upper\"\nheight_m = 2.5\n\
+                    slab = { corners_m = [[0, 0], [9, 0], [9, 9], [0, 9]], loss_db = 15 }\n\
+                    [[world.walls]]\npoints_m = [[1, 1], [8, 1]]\nstorey = \"upper\"\nmaterial = \"brick\"\n";
+        std::fs::write(&file, text).unwrap();
+        let field = read(&file, &FloorPlanOptions::default()).unwrap().obstacles().unwrap();
+        let tops = field.obstacles().iter().map(|obstacle| obstacle.shape().bounds());
+        let heights: Vec<[f64; 2]> = tops.map(|bounds| [bounds.min.z_m, bounds.max.z_m]).collect();
+        assert_eq!(heights, [[2.7, 5.2], [2.5, 2.7]]);
+        std::fs::write(&file, text.replace("storey = \"upper\"", "storey = \"attic\"")).unwrap();
+        let found = read(&file, &FloorPlanOptions::default()).unwrap().obstacles().unwrap_err().to_string();
+        assert!(found.contains("`world.walls[0].storey` is `attic`"), "{found}");
+    }
 
     #[test]
     fn options_without_effect_are_refused() {

@@ -355,7 +355,7 @@ impl Warnings<'_> {
         }
         let idle = Audience { scenario: self.scenario, setup: self.setup, reaches, planned }.idle_obstacles();
         let walls = &self.setup.world.walls;
-        let pieces = walls.first().map_or(usize::MAX, |pieces| pieces.start);
+        let pieces = self.setup.world.obstacles_alone();
         // Of a wall, some piece is often out of the way: what is above a door, for example.
         let is_idle = |i: usize| idle.iter().any(|&(other, _)| other == i);
         let wall = walls.iter().position(|pieces| pieces.clone().all(is_idle));

@@ -96,7 +96,7 @@ pub struct PathReport {
 /// An obstacle on the way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LossOfObstacle {
-    /// Its index: first come `world.obstacles`, then the pieces of `world.walls`.
+    /// Its index: first come `world.obstacles`, then the pieces of `world.walls`, then the slabs of `world.storeys`.
     pub obstacle: usize,
     /// Its name, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]

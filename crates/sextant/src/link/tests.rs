@@ -200,3 +200,20 @@ fn wrong_ends_are_refused_with_what_is_allowed() {
     let network = explain_link(&scenario, "n0", "n1", Some("rf")).unwrap_err().to_string();
     assert!(network.contains("`rf`") && network.contains("there is one network"), "{network}");
 }
+
+#[test]
+fn a_link_between_storeys_loses_what_its_way_through_the_slab_takes() {
+    let storeys = "[[world.storeys]]\nname = \"ground\"\nheight_m = 2.5\n\
+                   [[world.storeys]]\nname = \"upper\"\nheight_m = 2.5\n\
+                   slab = { corners_m = [[-5, -5], [15, -5], [15, 5], [-5, 5]], thickness_m = 0.5, absorption_per_m = 2, loss_db = 6 }\n";
+    let at = "positions_m = [[0.0, 0.0, 1.0], [3.0, 0.0, 2.0]]\nstoreys.upper = [\"n1\"]";
+    let text = WORLD.replace("positions_m = [[0.0, 0.0], [10.0, 0.0]]", at);
+    let text = text.replace("[radio]", &format!("{storeys}[radio]")).replace("exponent = 2.0", "exponent = 3.0");
+    let report = explain_link(&Scenario::parse(&text).expect("a good scenario"), "n0", "n1", None).unwrap();
+    let path = report.path.as_ref().unwrap();
+    let [crossed] = &path.obstacles[..] else { panic!("{:?}", path.obstacles) };
+    assert_eq!((crossed.name.as_deref(), crossed.obstacle), (Some("slab of upper"), 1));
+    // From 1 m to 2 m above a floor at 3 m: 4 m up over 3 m, and 5/4 of the thickness inside.
+    near(crossed.length_m, 0.625);
+    near(crossed.loss_db.unwrap(), 6.0 + 20.0 * std::f64::consts::LOG10_E * 0.625);
+}

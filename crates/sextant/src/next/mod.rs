@@ -4,6 +4,7 @@
 //! where they bring most for their time. Nothing is known of the true places.
 
 mod error;
+mod figure;
 mod pace;
 mod region;
 mod report;
@@ -17,10 +18,11 @@ use sextant_scenario::{AlgorithmName, MapSettings, ScenarioErrors};
 
 use sextant_apps::next_stops::{Ground, PlanEnd, StopBudget, Terrain, plan};
 
-use crate::mapping::{self, Input};
+use crate::mapping::{self, ComputedMap, Input};
 use crate::summary::Stopwatch;
 
 pub use error::NextError;
+pub use figure::figure;
 pub use pace::{Pace, PaceSource};
 use region::Region;
 pub use report::{NextStop, NextStops};
@@ -75,16 +77,17 @@ pub fn map_settings(
     input.map_settings(Some(algorithm), profile, network, &[])
 }
 
-/// Maps the log of `input` by the first map of `settings`, and says where to listen next. A floor plan of `input` is kept to.
+/// Maps the log of `input` by the first map of `settings`, and says where to listen next. A floor plan of `input` is kept to. The map is
+/// returned beside it.
 ///
 /// # Errors
 /// If the log cannot be mapped, or it does not tell where to listen; if `watch` ends the work.
-pub fn next_stops(
+pub fn next_stops<'a>(
     input: &mut Input,
-    settings: &MapSettings,
+    settings: &'a MapSettings,
     next: &NextSettings,
     watch: &dyn Watch,
-) -> Result<NextStops, NextError> {
+) -> Result<(NextStops, ComputedMap<'a>), NextError> {
     next.check()?;
     let robot = robot(input, next)?;
     let has_packets = input.log().receptions().iter().any(|reception| reception.received > 0);
@@ -93,7 +96,7 @@ pub fn next_stops(
     }
     let (summary, maps) = mapping::map(input, settings, None, Stopwatch::start(), watch)?;
     watch.check()?;
-    let Some(computed) = maps.first() else { return Err(NextError::NoMap) };
+    let Some(computed) = maps.into_iter().next() else { return Err(NextError::NoMap) };
     let log = input.log();
     let profile = computed.named.mapper.profile();
     let outlook = |open: &[Position]| Outlook::of(log, &computed.map, computed.learned.as_ref(), profile, open);
@@ -141,11 +144,8 @@ pub fn next_stops(
         let count = counted(outlook.unheard_count(), "node");
         notes.push(format!("{count} of the log were never heard: they may be anywhere in the region where they would not have been heard"));
     }
-    Ok(NextStops::new(
-        &plan,
-        &outlook,
-        report::Context { input, computed, pace, start_time, robot: robot.name, notes },
-    ))
+    let context = report::Context { input, computed: &computed, pace, start_time, robot: robot.name, notes };
+    Ok((NextStops::new(&plan, &outlook, context), computed))
 }
 
 /// The robot that drives.

@@ -139,6 +139,30 @@ impl NextStops {
         }
     }
 
+    /// What all stops bring, in a line.
+    pub(super) fn total(&self) -> String {
+        if self.stops.is_empty() {
+            return self.nothing_more();
+        }
+        format!(
+            "{} in {:.1} m and {:.1} min: the expected error falls from {:.3} to {:.3} m, by {:.0} %",
+            counted(self.stops.len(), "stop"),
+            self.way_m,
+            self.time_s / 60.0,
+            self.error_m,
+            self.error_after_m,
+            100.0 * (1.0 - self.error_after_m / self.error_m.max(f64::MIN_POSITIVE))
+        )
+    }
+
+    fn nothing_more(&self) -> String {
+        let other = if self.stops.is_empty() { "" } else { "other " };
+        let share = 100.0 * LEAST_SHARE;
+        format!(
+            "nothing more is to be gained: at no {other}place do the errors of the nodes in reach fall by {share:.0} % or more"
+        )
+    }
+
     /// The stops as a table with the columns of `stops.csv`: `stop,t_s,x_m,y_m,z_m`, and `lat,lon` if the log has them.
     #[must_use]
     pub fn to_csv(&self) -> String {
@@ -204,24 +228,10 @@ impl fmt::Display for NextStops {
             )?;
         }
         if !self.stops.is_empty() {
-            writeln!(
-                f,
-                "\n{} in {:.1} m and {:.1} min: the expected error falls from {:.3} to {:.3} m, by {:.0} %",
-                counted(self.stops.len(), "stop"),
-                self.way_m,
-                self.time_s / 60.0,
-                self.error_m,
-                self.error_after_m,
-                100.0 * (1.0 - self.error_after_m / self.error_m.max(f64::MIN_POSITIVE))
-            )?;
+            writeln!(f, "\n{}", self.total())?;
         }
         match self.end {
-            "nothing-more" => writeln!(
-                f,
-                "nothing more is to be gained: at no {}place do the errors of the nodes in reach fall by {:.0} % or more",
-                if self.stops.is_empty() { "" } else { "other " },
-                100.0 * LEAST_SHARE
-            ),
+            "nothing-more" => writeln!(f, "{}", self.nothing_more()),
             "way" => writeln!(f, "the way is used up; other stops would bring more"),
             _ => Ok(()),
         }

@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField, WallConfig};
+use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField, StoreyConfig, Storeys, WallConfig};
 use sextant_kernel::{Files, Seed, SettingError};
 
 use field::{Field, FieldConfig};
@@ -40,6 +40,10 @@ pub struct WorldConfig {
     /// The obstacles to radio and robots.
     #[serde(default)]
     pub obstacles: Vec<ObstacleConfig>,
+    /// The storeys of a building, from the lowest to the highest, with the slabs between them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
+    pub storeys: Vec<StoreyConfig>,
     /// The walls, with their doors and windows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = [])))]
@@ -59,10 +63,12 @@ pub struct World {
     pub nodes: Vec<PlacedNode>,
     /// How nodes move that do, by node. Their positions in `nodes` are those at the start.
     pub motions: Vec<NodeMotion>,
-    /// The obstacles; the pieces of walls come last.
+    /// The obstacles: those of `world.obstacles`, then the pieces of walls, then slabs.
     pub obstacles: ObstacleField,
     /// Which obstacles are the pieces of each wall.
     pub walls: Vec<Range<usize>>,
+    /// The storey of each slab: the obstacles after the walls are these.
+    pub slabs: Vec<usize>,
     /// The targets.
     pub targets: Vec<Target>,
     /// The scalar fields.
@@ -74,18 +80,38 @@ pub struct World {
 }
 
 impl World {
-    /// Checks that the materials of all obstacles and walls are known at the carrier (GHz).
+    /// The number of obstacles that are neither pieces of walls nor slabs: they come first.
+    #[must_use]
+    pub fn obstacles_alone(&self) -> usize {
+        self.obstacles.len() - self.slabs.len() - self.walls.iter().map(ExactSizeIterator::len).sum::<usize>()
+    }
+
+    /// Checks that the materials of all obstacles, walls and slabs are known at the carrier (GHz).
     ///
     /// # Errors
-    /// `obstacles[i].material` or `walls[i].material` if the model of a material does not hold there.
+    /// `obstacles[i].material`, `walls[i].material` or `storeys[i].slab.material` if the model of a material does not hold there.
     pub(crate) fn check_carrier(&self, carrier_ghz: f64) -> Result<(), SettingError> {
         self.obstacles.check_carrier(carrier_ghz, |obstacle| {
+            let first_slab = self.obstacles.len() - self.slabs.len();
             match self.walls.iter().position(|pieces| pieces.contains(&obstacle)) {
                 Some(wall) => format!("walls[{wall}]"),
+                None if obstacle >= first_slab => format!("storeys[{}].slab", self.slabs[obstacle - first_slab]),
                 None => format!("obstacles[{obstacle}]"),
             }
         })
     }
+}
+
+/// The obstacles of a world, before anything is placed among them.
+#[derive(Clone, Debug)]
+pub struct WorldObstacles {
+    /// Those of `world.obstacles`, then the pieces of walls, then slabs.
+    pub obstacles: ObstacleField,
+    /// Which obstacles are the pieces of each wall.
+    walls: Vec<Range<usize>>,
+    /// The storey of each slab.
+    slabs: Vec<usize>,
+    storeys: Storeys,
 }
 
 impl WorldConfig {
@@ -110,8 +136,10 @@ impl WorldConfig {
     /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, a target is far from all
     /// nodes or has no way, or a field is invalid.
     pub fn build(&self, seed: Seed, files: &Files) -> Result<World, SettingError> {
-        let (obstacles, walls) = self.set_up_obstacles(files)?;
-        let mut nodes = self.nodes.place(&obstacles, seed, files).map_err(|error| error.within("nodes"))?;
+        let WorldObstacles { obstacles, walls, slabs, storeys } = self.set_up_obstacles(files)?;
+        let within = |error: SettingError| error.within("nodes");
+        let nodes = self.nodes.above_zero(&storeys).map_err(within)?;
+        let mut nodes = nodes.place(&obstacles, seed, files).map_err(within)?;
         let motions = motion::build(&self.motions, &mut nodes, &obstacles, seed, files)?;
         let target = |(i, config): (usize, &TargetConfig)| {
             config.check_places(&nodes)?;
@@ -126,6 +154,7 @@ impl WorldConfig {
             motions,
             obstacles,
             walls,
+            slabs,
             targets,
             fields,
             sensors: Sensors::default(),
@@ -133,12 +162,13 @@ impl WorldConfig {
         })
     }
 
-    /// The obstacles alone, those of a mesh file with several materials in the place of its entry and the pieces of walls at the end,
-    /// and which are those of each wall. Paths are among `files`.
+    /// The obstacles alone, those of a mesh file with several materials in the place of its entry, then the pieces of walls and the
+    /// slabs of storeys. Paths are among `files`.
     ///
     /// # Errors
-    /// If an obstacle has no volume, or a wall is invalid.
-    pub fn set_up_obstacles(&self, files: &Files) -> Result<(ObstacleField, Vec<Range<usize>>), SettingError> {
+    /// If an obstacle has no volume, or a storey or a wall is invalid.
+    pub fn set_up_obstacles(&self, files: &Files) -> Result<WorldObstacles, SettingError> {
+        let storeys = Storeys::new(&self.storeys)?;
         let mut all = Vec::new();
         for (i, config) in self.obstacles.iter().enumerate() {
             let obstacles = Obstacle::read_all(config.clone(), files);
@@ -148,11 +178,14 @@ impl WorldConfig {
         for (i, config) in self.walls.iter().enumerate() {
             let first = all.len();
             let name = config.name.clone().unwrap_or_else(|| format!("wall {i}"));
-            let pieces = WallConfig { name: Some(name), ..config.clone() }.obstacles(i);
+            let pieces = storeys.wall(&WallConfig { name: Some(name), ..config.clone() });
+            let pieces = pieces.and_then(|wall| wall.obstacles(i));
             all.extend(pieces.map_err(|error| error.within(format!("walls[{i}]")))?);
             walls.push(first..all.len());
         }
-        Ok((ObstacleField::new(all), walls))
+        let slabs = storeys.slabs().map(|(storey, _)| storey).collect();
+        all.extend(storeys.slabs().map(|(_, slab)| slab.clone()));
+        Ok(WorldObstacles { obstacles: ObstacleField::new(all), walls, slabs, storeys })
     }
 }
 

@@ -1,28 +1,28 @@
 //! `sextant map --follow`: maps a log again whenever it has grown, and shows the map in a browser.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
 use std::thread;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use sextant::mapping::{ComputedMap, Input};
 use sextant_channel::Position;
+use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
+use sextant_mapper::Mapper;
 use sextant_report::Report;
 
 use super::Arguments;
+use super::growth::{Sizes, UntilGrown, sizes};
 use crate::commands::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::live::{BrowserView, Document, Place, Story};
+use crate::live::{APART, BrowserView, Document, Place, SHARE, Story};
 use crate::terminal::{Watcher, say};
 
 /// A signal is noticed this often.
 const LOOK: Duration = Duration::from_millis(50);
-/// Folders in a log are looked into so far.
-const DEPTH: usize = 3;
+/// What is told with a quick map.
+const QUICK: &str = "quick map: the whole one follows when the log rests";
 
 /// Shows the map until somebody ends the program.
 pub(super) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -30,7 +30,7 @@ pub(super) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let mut story = LogStory::new(arguments, interrupt);
     if arguments.log.exists() {
         let _keeper = interrupt.keep();
-        story.ready = Some(story.next()?);
+        story.ready = story.next()?;
     }
     let title = super::title(&arguments.log);
     let place = Place { host: &arguments.host, port: arguments.port, title: &title };
@@ -45,16 +45,20 @@ pub(super) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 
 /// The places of the nodes on the first map, by their names.
 type Places = BTreeMap<String, Position>;
-/// Sizes of files and when they were changed.
-type Sizes = BTreeMap<PathBuf, (u64, Option<SystemTime>)>;
 
-/// The story of a log that grows.
+/// The story of a log that grows. A quick map follows each growth at once, with what the last map learned; the whole one, as
+/// without `--follow`, when the log rests.
 struct LogStory {
     arguments: Arguments,
     interrupt: Interrupt,
     /// The files of the last document.
     sizes: Option<Sizes>,
     places: Places,
+    /// The mappers of a quick map: those of the last one, after what they learned. Empty if one of them always begins from the
+    /// start.
+    quick: Vec<Mapper>,
+    /// Whether the last map was made from the start.
+    is_whole: bool,
     /// A document that nobody has seen yet.
     ready: Option<Document>,
 }
@@ -62,41 +66,56 @@ struct LogStory {
 impl LogStory {
     fn new(arguments: &Arguments, interrupt: &Interrupt) -> Self {
         let (arguments, interrupt) = (arguments.clone(), interrupt.clone());
-        Self { arguments, interrupt, sizes: None, places: Places::new(), ready: None }
+        let (places, quick) = (Places::new(), Vec::new());
+        Self { arguments, interrupt, sizes: None, places, quick, is_whole: true, ready: None }
     }
 
-    /// The document of the log as it is; the next one tells what is new since then.
-    fn next(&mut self) -> Result<Document, Failure> {
-        self.sizes = Some(self.sizes());
-        let (document, places) = self.mapped()?;
-        self.places = places;
-        Ok(document)
+    /// The document of the log as it is; the next one tells what is new since then. `None` if the log grew before its whole map
+    /// was made.
+    fn next(&mut self) -> Result<Option<Document>, Failure> {
+        let now = sizes(&self.arguments);
+        self.is_whole = self.quick.is_empty() || self.sizes.as_ref() == Some(&now);
+        let watcher = Watcher::new(&self.interrupt, true);
+        let made = if self.is_whole && !self.quick.is_empty() {
+            self.mapped(&UntilGrown::new(watcher, &self.arguments, &now))
+        } else {
+            self.mapped(&watcher)
+        };
+        self.sizes = Some(now);
+        let Some(made) = made? else { return Ok(None) };
+        (self.places, self.quick) = (made.places, made.quick);
+        Ok(Some(made.document))
     }
 
-    fn sizes(&self) -> Sizes {
-        let mut sizes = Sizes::new();
-        let files = [Some(self.arguments.log.as_path())].into_iter().chain(self.arguments.reading.files());
-        for file in files.flatten() {
-            // A file that cannot be looked at is told of when it is read.
-            let _ = look(file, DEPTH, &mut sizes);
-        }
-        sizes
-    }
-
-    /// The report of the log as it is, and what is new in it.
-    fn mapped(&self) -> Result<(Document, Places), Failure> {
+    /// The report of the log as it is, and what is new in it. `None` if the log grew.
+    fn mapped(&self, watch: &dyn Watch) -> Result<Option<Made>, Failure> {
         let Arguments { log, network, algorithm, profile, overrides, .. } = &self.arguments;
         let network = network.as_deref();
         let mut input = Input::read(log, network, &self.arguments.reading.options())?;
-        let settings = input.map_settings(*algorithm, profile.as_deref(), network, &overrides.set)?;
+        let mut settings = input.map_settings(*algorithm, profile.as_deref(), network, &overrides.set)?;
+        if !self.is_whole {
+            settings.maps.iter_mut().zip(&self.quick).for_each(|(job, quick)| job.mapper = quick.clone());
+        }
         self.arguments.know(&mut input, &settings)?;
-        let watcher = Watcher::new(&self.interrupt, true);
-        let mapped = Report::of_log(&super::title(log), &mut input, &settings, with_flags, &watcher)?;
-        let (report, maps) = mapped.ok_or(Failure::Interrupted)?;
+        let mapped = Report::of_log(&super::title(log), &mut input, &settings, with_flags, watch)?;
+        let Some((report, maps)) = mapped else {
+            return if self.interrupt.is_requested() { Err(Failure::Interrupted) } else { Ok(None) };
+        };
+        let quick: Option<Vec<Mapper>> =
+            maps.iter().map(|map| map.named.mapper.after(map.learned.as_ref()?)).collect();
         let places = maps.first().map(|map| places(&input, map)).unwrap_or_default();
         let news = news(input.log().stops().len(), &self.places, &places);
-        Ok((Document { text: report.to_json(), news: Some(news) }, places))
+        let news = if self.is_whole { news } else { format!("{news}; {QUICK}") };
+        let document = Document { text: report.to_json(), news: Some(news) };
+        Ok(Some(Made { document, places, quick: quick.unwrap_or_default() }))
     }
+}
+
+/// A document, and what the next one begins with.
+struct Made {
+    document: Document,
+    places: Places,
+    quick: Vec<Mapper>,
 }
 
 /// The places of a map.
@@ -129,38 +148,31 @@ fn news(stops: usize, before: &Places, places: &Places) -> String {
 
 impl Story for LogStory {
     fn has_more(&mut self) -> bool {
-        self.ready.is_some() || self.sizes.as_ref() != Some(&self.sizes())
+        self.ready.is_some() || !self.is_whole || self.sizes.as_ref() != Some(&sizes(&self.arguments))
     }
 
     fn is_told_elsewhere(&self) -> bool {
         !self.arguments.work.quiet
     }
 
+    fn rest(&self, took: Duration) -> Duration {
+        // What is quick follows at once.
+        if self.quick.is_empty() { APART.max(took * SHARE) } else { APART }
+    }
+
     fn document(&mut self, _is_last: bool) -> Result<Option<Document>, String> {
-        let made = self.ready.take().map_or_else(|| self.next(), Ok);
+        let made = self.ready.take().map_or_else(|| self.next(), |ready| Ok(Some(ready)));
         let told = match &made {
-            Ok(document) => document.news.clone().unwrap_or_default(),
+            Ok(None) => return Ok(None),
+            Ok(Some(document)) => document.news.clone().unwrap_or_default(),
             // A line that is being written is whole at the next look.
             Err(failure) => format!("the log cannot be mapped as it is now: {}", failure.text()),
         };
         if !self.arguments.work.quiet {
             say(&told);
         }
-        made.map(Some).map_err(|_| told)
+        made.map_err(|_| told)
     }
-}
-
-/// Notes the files at `path` and in folders below it.
-fn look(path: &Path, depth: usize, sizes: &mut Sizes) -> io::Result<()> {
-    let about = fs::metadata(path)?;
-    if !about.is_dir() {
-        sizes.insert(path.to_owned(), (about.len(), about.modified().ok()));
-    } else if depth > 0 {
-        for entry in fs::read_dir(path)? {
-            look(&entry?.path(), depth - 1, sizes)?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -179,15 +191,5 @@ mod tests {
         let changed = "6 stops, 4 nodes on the map; 1 node new; 1 node no longer on it; half of the places moved by 0.20 m \
                        or less, `c` most, by 3.00 m";
         assert_eq!(news(6, &before, &now), changed);
-    }
-
-    #[test]
-    fn files_in_folders_are_looked_at_too() {
-        let folder = tempfile::tempdir().unwrap();
-        fs::create_dir(folder.path().join("bag")).unwrap();
-        fs::write(folder.path().join("bag/part.mcap"), "abc").unwrap();
-        let mut sizes = Sizes::new();
-        look(folder.path(), DEPTH, &mut sizes).unwrap();
-        assert_eq!(sizes.values().map(|size| size.0).collect::<Vec<_>>(), [3]);
     }
 }

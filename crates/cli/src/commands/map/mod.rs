@@ -1,6 +1,7 @@
 //! `sextant map`: computes maps from a reception log.
 
 mod follow;
+mod growth;
 mod track;
 
 use std::collections::BTreeMap;
@@ -369,7 +370,7 @@ fn words_of_tasks(words: &[OsString], tiles: usize) -> Vec<OsString> {
 }
 
 /// The name of a log in titles: that of its file or folder.
-fn title(log: &Path) -> String {
+pub(super) fn title(log: &Path) -> String {
     let whole = std::path::absolute(log).unwrap_or_else(|_| log.to_owned());
     let name = if log.is_dir() { whole.file_name() } else { whole.file_stem() };
     name.map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned())

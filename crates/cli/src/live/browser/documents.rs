@@ -6,9 +6,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Between two documents at least.
-const APART: Duration = Duration::from_secs(1);
+pub(crate) const APART: Duration = Duration::from_secs(1);
 /// A document that takes long leaves the processor to others for so many times its own time.
-const SHARE: u32 = 5;
+pub(crate) const SHARE: u32 = 5;
 /// A browser that has asked within this time looks at the run.
 const LOOKS: Duration = Duration::from_secs(3);
 
@@ -20,6 +20,11 @@ pub(crate) trait Story: Send + 'static {
     /// Whether it is told elsewhere too, as on a terminal: then documents are made while no browser looks, too.
     fn is_told_elsewhere(&self) -> bool {
         false
+    }
+
+    /// How long the processor is left to others after a document that took so long.
+    fn rest(&self, took: Duration) -> Duration {
+        APART.max(took * SHARE)
     }
 
     /// A document of all that there is (JSON), with a sentence on what is new if there is one to say. `is_last` if nothing
@@ -155,7 +160,7 @@ pub(super) fn make(documents: &Arc<Documents>, mut story: impl Story) -> io::Res
             if is_last {
                 break;
             }
-            documents.rest(APART.max(began.elapsed() * SHARE));
+            documents.rest(story.rest(began.elapsed()));
         }
     })?;
     Ok(())

@@ -13,7 +13,7 @@ use std::time::Duration;
 use sextant_recording::{RecordingSoFar, Relay};
 
 use self::documents::Documents;
-pub(crate) use self::documents::{Document, Story};
+pub(crate) use self::documents::{APART, Document, SHARE, Story};
 use self::feed::Feed;
 use self::run::RunStory;
 use self::server::Server;

@@ -25,10 +25,10 @@ const TRUE: Stroke = Stroke::new(INK, 1.1);
 /// The rim of a node whose place is not reliable.
 const CONCERN: Stroke = Stroke::new(ACCENT, 1.6);
 /// Stops and paths, which are behind the nodes.
-const STOP: RGBColor = RGBColor(0xc4, 0xb5, 0x9a);
-const PATH: Stroke = Stroke::new(RGBColor(0xdd, 0xd3, 0xc0), 1.2);
+pub(crate) const STOP: RGBColor = RGBColor(0xc4, 0xb5, 0x9a);
+pub(crate) const PATH: Stroke = Stroke::new(RGBColor(0xdd, 0xd3, 0xc0), 1.2);
 /// Side of the square of a stop (px).
-const STOP_SIDE: f64 = 5.0;
+pub(crate) const STOP_SIDE: f64 = 5.0;
 /// Names of nodes.
 const NAME: TextStyle = TextStyle { em: 9.0, weight: Weight::Regular, color: INK };
 /// Corners of the outline of a region.
@@ -117,7 +117,7 @@ pub(crate) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
 }
 
 /// The 95 % regions of the nodes that have one.
-fn regions(map: &TopologyMap) -> Vec<Region> {
+pub(crate) fn regions(map: &TopologyMap) -> Vec<Region> {
     map.estimates.iter().flatten().filter_map(Region::of_95).collect()
 }
 
@@ -149,7 +149,7 @@ fn reach(regions: &[Region], places: impl Iterator<Item = Position>) -> Vec<Posi
 }
 
 /// Draws the part of the outline of a region that is within the frame.
-fn draw_region(picture: &mut Picture, panel: &Panel, region: &Region) {
+pub(crate) fn draw_region(picture: &mut Picture, panel: &Panel, region: &Region) {
     let axes = match panel.view {
         View::Top => [0, 1],
         View::Side => [0, 2],
@@ -168,7 +168,7 @@ fn draw_region(picture: &mut Picture, panel: &Panel, region: &Region) {
 }
 
 /// Draws obstacles, paths and stops.
-fn draw_survey(picture: &mut Picture, panel: &Panel, source: &Source<'_>) {
+pub(crate) fn draw_survey(picture: &mut Picture, panel: &Panel, source: &Source<'_>) {
     draw_solids(picture, panel, source.solids());
     for (_, path) in &source.drawn.paths {
         picture.path(path.iter().map(|&place| panel.at(place)).collect(), PATH);

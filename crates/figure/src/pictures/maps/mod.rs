@@ -6,3 +6,4 @@ pub(crate) mod estimated;
 pub(crate) mod estimated_map;
 pub(crate) mod likelihood;
 pub(crate) mod map;
+pub(crate) mod next_stops;

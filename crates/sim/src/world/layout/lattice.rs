@@ -1,7 +1,7 @@
 //! Nodes on a jittered lattice.
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Bounds, ObstacleField, Position};
+use sextant_channel::{Bounds, ObstacleField, Position, Storeys};
 use sextant_kernel::{Seed, SettingError};
 
 use crate::purpose;
@@ -30,6 +30,9 @@ pub struct LatticeConfig {
     /// Minimum distance of each node from all obstacles (m).
     #[serde(default)]
     pub clearance_m: f64,
+    /// Name of the storey above whose floor the heights of the region and of `origin_m` are; above zero if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub storey: Option<String>,
     /// The region of the nodes.
     pub region: RegionConfig,
 }
@@ -42,6 +45,13 @@ struct Site {
 }
 
 impl LatticeConfig {
+    /// The same nodes with heights from zero.
+    pub(super) fn above_zero(&self, storeys: &Storeys) -> Result<Self, SettingError> {
+        let floor_m = storeys.floor_m("storey", self.storey.as_deref())?;
+        let origin_m = self.origin_m.map(|origin| origin + Position::new(0.0, 0.0, floor_m));
+        Ok(Self { storey: None, origin_m, region: self.region.raised(floor_m), ..self.clone() })
+    }
+
     /// The places: row by row or, if there is a `count`, in the order of choice, so that a larger count keeps the
     /// places of a smaller one.
     pub(super) fn place(&self, obstacles: &ObstacleField, seed: Seed) -> Result<Vec<Position>, SettingError> {

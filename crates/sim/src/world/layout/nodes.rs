@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{ObstacleField, Position};
+use sextant_channel::{ObstacleField, Position, Storeys};
 use sextant_kernel::{Files, Seed, SettingError};
 
 use super::explicit::ExplicitConfig;
@@ -28,6 +28,23 @@ pub enum NodesConfig {
 }
 
 impl NodesConfig {
+    /// The same layout with heights from zero, of nodes that are in a storey.
+    ///
+    /// # Errors
+    /// If a storey or a node in it is unknown. The key is relative to the table of the nodes.
+    pub(crate) fn above_zero(&self, storeys: &Storeys) -> Result<Self, SettingError> {
+        Ok(match self {
+            Self::Explicit(config) => {
+                Self::Explicit(config.above_zero(storeys).map_err(|error| error.within("explicit"))?)
+            }
+            Self::Lattice(config) => {
+                Self::Lattice(config.above_zero(storeys).map_err(|error| error.within("lattice"))?)
+            }
+            Self::Random(config) => Self::Random(config.above_zero(storeys).map_err(|error| error.within("random"))?),
+            Self::Csv(_) => self.clone(),
+        })
+    }
+
     /// The file that it names, if it names one, and its key.
     pub(crate) fn file_mut(&mut self) -> Option<(&'static str, &mut PathBuf)> {
         match self {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Bounds, ObstacleField, Position};
+use sextant_channel::{Bounds, ObstacleField, Position, Storeys};
 use sextant_kernel::{Seed, SettingError};
 
 use crate::purpose;
@@ -29,11 +29,20 @@ pub struct RandomConfig {
     /// Minimum distance of each node from all obstacles (m).
     #[serde(default)]
     pub clearance_m: f64,
+    /// Name of the storey above whose floor the heights of the region are; above zero if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub storey: Option<String>,
     /// The region of the nodes.
     pub region: RegionConfig,
 }
 
 impl RandomConfig {
+    /// The same nodes with heights from zero.
+    pub(super) fn above_zero(&self, storeys: &Storeys) -> Result<Self, SettingError> {
+        let floor_m = storeys.floor_m("storey", self.storey.as_deref())?;
+        Ok(Self { storey: None, region: self.region.raised(floor_m), ..self.clone() })
+    }
+
     /// The places. Each node draws at its own addresses until its place fits the places before it, so that a larger
     /// count does not move the first nodes.
     pub(super) fn place(&self, obstacles: &ObstacleField, seed: Seed) -> Result<Vec<Position>, SettingError> {

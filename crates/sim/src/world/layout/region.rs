@@ -58,6 +58,23 @@ pub enum RegionConfig {
     },
 }
 
+impl RegionConfig {
+    /// The same region, so much higher (m).
+    pub(super) fn raised(&self, by_m: f64) -> Self {
+        let up = Position::new(0.0, 0.0, by_m);
+        match self.clone() {
+            Self::Disc { center_m, radius_m } => Self::Disc { center_m: center_m + up, radius_m },
+            Self::Rectangle { min_m, max_m } => Self::Rectangle { min_m: min_m + up, max_m: max_m + up },
+            Self::Polygon { corners_m, z_m } => Self::Polygon { corners_m, z_m: z_m + by_m },
+            Self::Ball { center_m, radius_m } => Self::Ball { center_m: center_m + up, radius_m },
+            Self::Box { min_m, max_m } => Self::Box { min_m: min_m + up, max_m: max_m + up },
+            Self::Cylinder { base_m, radius_m, height_m } => {
+                Self::Cylinder { base_m: base_m + up, radius_m, height_m }
+            }
+        }
+    }
+}
+
 /// A region of the plane or of space. Its border belongs to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {

@@ -1,6 +1,9 @@
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
+use sextant_channel::{
+    BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, StoreyConfig, Storeys,
+};
 use sextant_kernel::{Files, Seed, SettingError};
 
 use super::*;
@@ -26,11 +29,19 @@ fn disc(radius_m: f64) -> RegionConfig {
 }
 
 fn lattice(count: Option<usize>) -> LatticeConfig {
-    LatticeConfig { spacing_m: 1.0, jitter_m: 0.2, count, origin_m: None, clearance_m: 0.1, region: disc(8.0) }
+    LatticeConfig {
+        spacing_m: 1.0,
+        jitter_m: 0.2,
+        count,
+        origin_m: None,
+        clearance_m: 0.1,
+        storey: None,
+        region: disc(8.0),
+    }
 }
 
 fn random(count: usize) -> RandomConfig {
-    RandomConfig { count, min_distance_m: 0.5, clearance_m: 0.3, region: disc(8.0) }
+    RandomConfig { count, min_distance_m: 0.5, clearance_m: 0.3, storey: None, region: disc(8.0) }
 }
 
 #[test]
@@ -144,7 +155,7 @@ fn invalid_settings_are_rejected_with_their_key() {
 fn listed_nodes_are_rejected_in_obstacles_and_without_distinct_names() {
     let explicit = |positions_m: Vec<Position>, names: Option<Vec<&str>>| {
         let names = names.map(|names| names.into_iter().map(Into::into).collect());
-        place(&NodesConfig::Explicit(ExplicitConfig { positions_m, names }), &shed(), 1)
+        place(&NodesConfig::Explicit(ExplicitConfig { positions_m, names, storeys: BTreeMap::new() }), &shed(), 1)
     };
     let (a, b) = (Position::new(5.0, 0.0, 0.0), Position::new(5.0, 1.0, 0.0));
     let names = |nodes: Vec<PlacedNode>| nodes.into_iter().map(|node| node.name).collect::<Vec<_>>();
@@ -166,4 +177,34 @@ fn a_table_in_a_file_is_found_from_the_folder_of_the_scenario() {
     let error = missing.place(&shed(), Seed(1), &Files::of_folder(Path::new("/no/such/folder"))).unwrap_err();
     assert_eq!(error.key, "csv.file");
     assert!(error.found().contains("/no/such/folder/no-such-table.csv"), "{error}");
+}
+
+#[test]
+fn nodes_in_a_storey_have_their_heights_above_its_floor() {
+    let storey = |name: &str, floor_m| StoreyConfig { name: name.into(), height_m: 2.5, floor_m, slab: None };
+    let storeys = Storeys::new(&[storey("ground", None), storey("upper", Some(3.0))]).unwrap();
+    let heights = |nodes: &NodesConfig| -> Vec<f64> {
+        let nodes = nodes.above_zero(&storeys).unwrap();
+        place(&nodes, &ObstacleField::default(), 1).unwrap().iter().map(|node| node.position.z_m).collect()
+    };
+    let positions_m = vec![Position::new(1.0, 1.0, 1.5), Position::new(2.0, 1.0, 0.5)];
+    let upper =
+        |names: &[&str]| BTreeMap::from([("upper".to_owned(), names.iter().map(|&name| name.into()).collect())]);
+    let explicit =
+        |storeys| NodesConfig::Explicit(ExplicitConfig { positions_m: positions_m.clone(), names: None, storeys });
+    assert_eq!(heights(&explicit(upper(&["n1"]))), [1.5, 3.5]);
+    let upstairs = Some("upper".to_owned());
+    let on_lattice = NodesConfig::Lattice(LatticeConfig { storey: upstairs.clone(), ..lattice(Some(4)) });
+    assert_eq!(heights(&on_lattice), [3.0; 4]);
+    assert_eq!(heights(&NodesConfig::Random(RandomConfig { storey: upstairs, ..random(3) })), [3.0; 3]);
+    let refused = |nodes: NodesConfig| nodes.above_zero(&storeys).unwrap_err().to_string();
+    let found = refused(explicit(BTreeMap::from([("attic".to_owned(), vec!["n0".to_owned()])])));
+    assert!(found.contains("`explicit.storeys` is `attic`") && found.contains("`ground`, `upper`"), "{found}");
+    let found = refused(explicit(upper(&["n2"])));
+    assert!(found.contains("`explicit.storeys.upper[0]` is `n2`"), "{found}");
+    let twice = BTreeMap::from(["ground", "upper"].map(|storey| (storey.to_owned(), vec!["n0".to_owned()])));
+    let found = refused(explicit(twice));
+    assert!(found.contains("`n0`, which is in `ground`"), "{found}");
+    let found = refused(NodesConfig::Random(RandomConfig { storey: Some("attic".to_owned()), ..random(3) }));
+    assert!(found.contains("`random.storey` is `attic`"), "{found}");
 }

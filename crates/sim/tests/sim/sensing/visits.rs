@@ -198,12 +198,17 @@ fn a_visit_is_written_as_in_a_scenario() {
 
 #[test]
 fn a_target_far_from_all_nodes_is_refused() {
-    let nodes = ExplicitConfig { positions_m: vec![Position::ORIGIN, Position::new(3000.0, 0.0, 0.0)], names: None };
+    let nodes = ExplicitConfig {
+        positions_m: vec![Position::ORIGIN, Position::new(3000.0, 0.0, 0.0)],
+        names: None,
+        storeys: Default::default(),
+    };
     let key = |motion: TargetMotionConfig| {
         let config = WorldConfig {
             motions: Vec::new(),
             nodes: NodesConfig::Explicit(nodes.clone()),
             obstacles: Vec::new(),
+            storeys: Vec::new(),
             walls: Vec::new(),
             targets: vec![TargetConfig { name: "t".into(), motion, screen: None }],
             fields: Vec::new(),
