@@ -16,12 +16,21 @@ pub fn noise_floor(sensitivity: Dbm) -> Dbm {
 /// and interference in the channel:
 ///
 /// `BER = (8/15)(1/16) sum_{k=2}^{16} (-1)^k C(16,k) exp(20 sinr (1/k - 1))`.
+///
+/// From a ratio of 6 (7.8 dB) on it is below 4e-26: no frame is long enough for that to change its probability in the last
+/// digit, and the result is 0.
 #[must_use]
 pub fn bit_error_rate(sinr: f64) -> f64 {
+    if sinr >= CLEAR {
+        return 0.0;
+    }
     let sum: f64 = TERMS.iter().map(|&(weight, slope)| weight * libm::exp(slope * sinr)).sum();
     // At a ratio of 0 the sum is 1/2, up to rounding.
     sum.clamp(0.0, 0.5)
 }
+
+/// The ratio from which on no bit is wrong.
+const CLEAR: f64 = 6.0;
 
 /// Quality of a link, 0 to 255, as a radio tells it with a frame (LQI; IEEE 802.15.4-2006, 6.9.8, which leaves the measure
 /// to the radio). Here it grows evenly with the least ratio of signal to noise and interference during the frame, from -5 dB, at

@@ -1,5 +1,6 @@
 //! Link budgets: the power between two stations, item by item, and what a receiver makes of it.
 
+use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 use std::time::Duration;
 
@@ -228,7 +229,8 @@ impl LinkBudgets {
     }
 
     /// The share of frames from one station to another that are received at the start if no other signal disturbs, without
-    /// `faults.message_loss`: the [`probability`](LinkReception::probability) of the link, or that over all draws if each packet has its own shadowing.
+    /// `faults.message_loss`: the [`probability`](LinkReception::probability) of the link, over all draws of what changes between
+    /// packets (shadowing of each packet, fading in time, bursts of loss).
     ///
     /// # Panics
     /// If there is no such network or station.
@@ -255,11 +257,13 @@ impl LinkBudgets {
         if let Some(share) = share_measured(items.traced, items.power, &rules, airtime) {
             return Some(share);
         }
-        let law = placed.channel;
-        if !law.shadowing().is_per_packet() {
+        // The draws that last are in the power of the link.
+        let law = placed.channel.of_changes();
+        if law.shadowing().sigma_db() <= 0.0 && law.fading().is_none() && law.bursts().is_none() {
             return Some(rules.reception_alone(items.power.to_milliwatts(), airtime));
         }
-        let highest = items.power + Db(f64::from(MOST_SIGMAS) * law.shadowing().sigma_db());
+        let fades = if law.fading().is_some() { MOST_FADING } else { Db(0.0) };
+        let highest = items.power + Db(f64::from(MOST_SIGMAS) * law.shadowing().sigma_db()) + fades;
         if highest < rules.sensitivity.to_dbm() || is_below(least, &law, &rules, items.power, airtime) {
             return None;
         }
@@ -336,6 +340,9 @@ const STEPS: i32 = 40;
 /// ... and the most standard deviations.
 const MOST_SIGMAS: i32 = 6;
 
+/// Most gain by fading: the power of a deep field (Nakagami with m 1/2) is above it once in fifty million draws.
+const MOST_FADING: Db = Db(15.0);
+
 /// Probability that a frame with the mean power `mean` is received, over all draws of shadowing, fading and bursts of loss. Thresholds have a closed
 /// form; with bit errors it is the sum of the trapezoidal rule.
 fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: Duration) -> f64 {
@@ -374,9 +381,17 @@ fn over_shadowing(law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: 
 }
 
 /// Whether the share over all draws of shadowing is below `least` by a bound: draws above a limit have half of that probability, and
-/// of those below it no greater share arrives than at the limit.
+/// of those below it no greater share arrives than at the limit. With fading, the two share what the mean lacks.
 fn is_below(least: f64, law: &ChannelLaw, rules: &ReceptionRules, mean: Dbm, airtime: Duration) -> bool {
-    if law.fading().is_some() || law.bursts().is_some() {
+    if let Some(fading) = law.fading() {
+        // What lacks comes from shadowing or from fading: one of them has half of it at least. Bursts only lose more.
+        let half = Db(0.5 * (rules.least_power().to_dbm() - mean).0);
+        let by_fading = 1.0 - fading.share_below(half);
+        let sigma_db = law.shadowing().sigma_db();
+        let by_shadowing = if sigma_db > 0.0 { 0.5 * libm::erfc(half.0 / (sigma_db * SQRT_2)) } else { 0.0 };
+        return half.0 > 0.0 && by_fading + by_shadowing < least;
+    }
+    if law.bursts().is_some() {
         return false;
     }
     let draws = &*NORMAL_DRAWS;

@@ -29,6 +29,16 @@ pub struct Fading {
     center_hz: f64,
     /// Links that were asked for last, each in the slot of its address.
     known: Vec<Option<Box<LinkFading>>>,
+    /// The gains of links that do not change in time, while both stations stand; as the links. Empty if time changes them.
+    standing: Vec<StandingGain>,
+}
+
+/// The gain of a link between two places.
+#[derive(Clone, Copy, Debug)]
+struct StandingGain {
+    pair: u64,
+    places: [Position; 2],
+    gain: Db,
 }
 
 /// The gain is never below it: a field that cancels to the last bit has no power.
@@ -36,6 +46,10 @@ const DEEPEST: f64 = 1e-30;
 
 /// Links that are remembered at most: a power of two (about 2 MB with one field each).
 const SLOTS: usize = 1 << 11;
+
+/// Gains of standing links that are remembered at most: a power of two (about 17 MB), and at first.
+const MOST_STANDING: usize = 1 << 18;
+const FIRST_STANDING: usize = 1 << 10;
 
 /// Speed of light (m/s).
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
@@ -48,6 +62,18 @@ struct LinkFading {
     fields: Vec<Field>,
     /// Phase of the direct way at the length 0 (rad).
     direct_rad: f64,
+}
+
+impl StandingGain {
+    /// No link: no pair has this number, as no station is linked to itself.
+    const NONE: Self = Self { pair: u64::MAX, places: [Position::ORIGIN; 2], gain: Db(0.0) };
+}
+
+/// The slot of a pair among `slots`, a power of two (Fibonacci hashing; Knuth 1998, section 6.4).
+fn slot(pair: u64, slots: usize) -> usize {
+    #[expect(clippy::cast_possible_truncation, reason = "below the number of slots")]
+    let slot = (pair.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - slots.trailing_zeros())) as usize;
+    slot
 }
 
 /// One end of a link: a station and its place.
@@ -73,7 +99,8 @@ impl Fading {
             delay_spread_s,
             offset_hz: band.center_hz - band.reference_hz,
         };
-        Self { law, seed, fields, center_hz: band.center_hz, known: vec![None; SLOTS] }
+        let standing = if law.changes_in_time() { Vec::new() } else { vec![StandingGain::NONE; FIRST_STANDING] };
+        Self { law, seed, fields, center_hz: band.center_hz, known: vec![None; SLOTS], standing }
     }
 
     /// The law.
@@ -87,18 +114,37 @@ impl Fading {
     pub fn gain(&mut self, a: FadingEnd, b: FadingEnd, now: SimTime) -> Db {
         let (first, second) = if a.station <= b.station { (a, b) } else { (b, a) };
         let pair = pair(first.station, second.station);
+        let places = [first.place, second.place];
+        if self.standing.is_empty() {
+            return self.gain_at(pair, places, now);
+        }
+        let slot = slot(pair, self.standing.len());
+        let known = self.standing[slot];
+        if known.pair == pair && known.places == places {
+            return known.gain;
+        }
+        let gain = self.gain_at(pair, places, now);
+        if known.pair != StandingGain::NONE.pair && known.pair != pair && self.standing.len() < MOST_STANDING {
+            // Two links want one slot: there are many. What is forgotten is worked out again.
+            self.standing = vec![StandingGain::NONE; 4 * self.standing.len()];
+        }
+        let slot = self::slot(pair, self.standing.len());
+        self.standing[slot] = StandingGain { pair, places, gain };
+        gain
+    }
+
+    /// The gain of a link between the places of its stations, that with the smaller number first.
+    fn gain_at(&mut self, pair: u64, places: [Position; 2], now: SimTime) -> Db {
         let t_s = now.as_secs_f64();
         let factor = match self.law.variation {
             Variation::Blocks { block_s } => self.block(pair, (t_s / block_s).floor()),
             Variation::Waves { .. } => {
-                // Fibonacci hashing (Knuth 1998, section 6.4).
-                #[expect(clippy::cast_possible_truncation, reason = "below the number of slots")]
-                let slot = (pair.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - SLOTS.trailing_zeros())) as usize;
+                let slot = slot(pair, SLOTS);
                 if self.known[slot].as_ref().is_none_or(|link| link.pair != pair) {
                     self.known[slot] = Some(Box::new(self.link(pair)));
                 }
                 let link = self.known[slot].as_ref().expect("it was put there");
-                link.factor(self.law.depth, [first.place, second.place], self.fields.wave_number_per_m, t_s)
+                link.factor(self.law.depth, places, self.fields.wave_number_per_m, t_s)
             }
         };
         Db::from_factor(factor.max(DEEPEST))

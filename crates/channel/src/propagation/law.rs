@@ -272,6 +272,14 @@ impl ChannelLaw {
         }
     }
 
+    /// The same law with those draws alone that change between two stations that stand: shadowing of each packet, fading that
+    /// changes in time, and bursts.
+    #[must_use]
+    pub fn of_changes(&self) -> Self {
+        let shadowing = if self.shadowing.is_per_packet() { self.shadowing } else { ShadowingLaw::NONE };
+        Self { shadowing, fading: self.fading.filter(FadingLaw::changes_in_time), ..*self }
+    }
+
     /// Probability that a frame arrives over such a link: it is above the threshold, and no burst loses it.
     #[must_use]
     #[inline]

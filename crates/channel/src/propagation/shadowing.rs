@@ -59,6 +59,11 @@ enum CorrelationLaw {
     Spatial { distance_m: f64 },
 }
 
+impl ShadowingLaw {
+    /// No shadowing.
+    pub(crate) const NONE: Self = Self { sigma_db: 0.0, correlation: CorrelationLaw::PerLink };
+}
+
 impl TryFrom<ShadowingConfig> for ShadowingLaw {
     type Error = SettingError;
 

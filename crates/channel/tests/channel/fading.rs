@@ -183,3 +183,20 @@ fn levels_are_crossed_as_often_and_for_as_long_as_rice_says() {
         assert!((mean_s / fade_s - 1.0).abs() < 0.15, "{rho}: {mean_s}");
     }
 }
+
+#[test]
+fn what_is_remembered_of_many_standing_links_changes_no_gain() {
+    let mut long = fading(nakagami(1.0), 3);
+    let at = |station: u32, moved_m: f64| end(station, f64::from(station) + moved_m, 0.5 * f64::from(station));
+    for round in 0..3 {
+        // More links than are remembered at first; in the last round one end of each has moved.
+        let moved_m = if round == 2 { 0.03 } else { 0.0 };
+        for pair in 0..3000_u32 {
+            let (a, b) = (at(pair % 60, 0.0), at(60 + pair / 60, moved_m));
+            let gain = long.gain(a, b, seconds(f64::from(round)));
+            if pair % 100 == 7 {
+                assert_eq!(gain, fading(nakagami(1.0), 3).gain(b, a, seconds(50.0)), "{pair} in round {round}");
+            }
+        }
+    }
+}

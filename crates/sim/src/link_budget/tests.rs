@@ -1,6 +1,8 @@
 //! Shares of frames against sums over all draws.
 
-use sextant_channel::{ChannelConfig, CorrelationConfig, ShadowingConfig};
+use sextant_channel::{
+    ChannelConfig, CorrelationConfig, FadingConfig, FadingLawConfig, NakagamiConfig, RicianConfig, ShadowingConfig,
+};
 use sextant_mac::oqpsk::bit_error_rate;
 
 use super::*;
@@ -48,4 +50,29 @@ fn shares_are_the_sum_over_all_draws_and_what_is_left_out_as_below_is_below() {
         }
     }
     assert!(left_out > 200, "{left_out}");
+}
+
+#[test]
+fn what_is_left_out_as_below_is_below_with_fading_too() {
+    let deep = FadingLawConfig::Nakagami(NakagamiConfig { m: 0.5 });
+    let shallow = FadingLawConfig::Rician(RicianConfig { k_db: 6.0 });
+    let mut left_out = 0;
+    for depth in [deep, shallow] {
+        let fading = Some(FadingConfig { law: depth, ..FadingConfig::default() });
+        for sigma_db in [0.0, 4.0] {
+            let shadowing =
+                Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket });
+            let config = ChannelConfig { shadowing, fading, ..ChannelConfig::default() };
+            let law = config.try_into().expect("a good channel");
+            for mean in (-130..-80).step_by(2).map(f64::from) {
+                let share = over_shadowing(&law, &rules(), Dbm(mean), AIRTIME);
+                for least in [0.1, 0.5] {
+                    let is_below = is_below(least, &law, &rules(), Dbm(mean), AIRTIME);
+                    assert!(!is_below || share < least, "{share} {least} at {mean} dBm");
+                    left_out += u32::from(is_below);
+                }
+            }
+        }
+    }
+    assert!(left_out > 40, "{left_out}");
 }
