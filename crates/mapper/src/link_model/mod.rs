@@ -370,10 +370,6 @@ impl Estimator for LinkModel {
         Some(self)
     }
 
-    fn after(&self, learned: &EstimatorFindings) -> Option<Mapper> {
-        learned.get::<LinkFit>().map(|fit| Mapper::new(self.with_first_law(fit.law)))
-    }
-
     fn estimate(
         &self,
         knowledge: &Knowledge<'_>,
