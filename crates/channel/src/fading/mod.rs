@@ -6,6 +6,7 @@
 
 pub(crate) mod bursts;
 pub(crate) mod config;
+mod kept;
 pub(crate) mod law;
 pub(crate) mod process;
 pub(crate) mod trace;

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use sextant_kernel::{Seed, SimTime, StationId};
 
+use super::kept::Kept;
 use super::law::{Depth, FadingLaw, Variation};
 use super::waves::{Field, FieldSettings};
 use super::{PairDraws, pair};
@@ -27,16 +28,15 @@ pub struct Fading {
     seed: Seed,
     fields: FieldSettings,
     center_hz: f64,
-    /// Links that were asked for last, each in the slot of its address.
-    known: Vec<Option<Box<LinkFading>>>,
-    /// The gains of links that do not change in time, while both stations stand; as the links. Empty if time changes them.
-    standing: Vec<StandingGain>,
+    /// The fields of links, ...
+    known: Kept<Box<LinkFading>>,
+    /// ... and their gains while both stations stand; `None` if gains change in time.
+    standing: Option<Kept<StandingGain>>,
 }
 
 /// The gain of a link between two places.
 #[derive(Clone, Copy, Debug)]
 struct StandingGain {
-    pair: u64,
     places: [Position; 2],
     gain: Db,
 }
@@ -44,12 +44,10 @@ struct StandingGain {
 /// The gain is never below it: a field that cancels to the last bit has no power.
 const DEEPEST: f64 = 1e-30;
 
-/// Links that are remembered at most: a power of two (about 2 MB with one field each).
-const SLOTS: usize = 1 << 11;
-
-/// Gains of standing links that are remembered at most: a power of two (about 17 MB), and at first.
+/// Fields that are remembered at most (about 50 MB with one for each link), ...
+const MOST_FIELDS: usize = 1 << 16;
+/// ... and gains (about 19 MB).
 const MOST_STANDING: usize = 1 << 18;
-const FIRST_STANDING: usize = 1 << 10;
 
 /// Speed of light (m/s).
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
@@ -57,23 +55,10 @@ const LIGHT_M_PER_S: f64 = 299_792_458.0;
 /// The fields of one link.
 #[derive(Clone, Debug)]
 struct LinkFading {
-    pair: u64,
     /// One, or m of them with Nakagami.
     fields: Vec<Field>,
     /// Phase of the direct way at the length 0 (rad).
     direct_rad: f64,
-}
-
-impl StandingGain {
-    /// No link: no pair has this number, as no station is linked to itself.
-    const NONE: Self = Self { pair: u64::MAX, places: [Position::ORIGIN; 2], gain: Db(0.0) };
-}
-
-/// The slot of a pair among `slots`, a power of two (Fibonacci hashing; Knuth 1998, section 6.4).
-fn slot(pair: u64, slots: usize) -> usize {
-    #[expect(clippy::cast_possible_truncation, reason = "below the number of slots")]
-    let slot = (pair.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - slots.trailing_zeros())) as usize;
-    slot
 }
 
 /// One end of a link: a station and its place.
@@ -99,8 +84,8 @@ impl Fading {
             delay_spread_s,
             offset_hz: band.center_hz - band.reference_hz,
         };
-        let standing = if law.changes_in_time() { Vec::new() } else { vec![StandingGain::NONE; FIRST_STANDING] };
-        Self { law, seed, fields, center_hz: band.center_hz, known: vec![None; SLOTS], standing }
+        let standing = (!law.changes_in_time()).then(|| Kept::new(MOST_STANDING));
+        Self { law, seed, fields, center_hz: band.center_hz, known: Kept::new(MOST_FIELDS), standing }
     }
 
     /// The law.
@@ -115,21 +100,14 @@ impl Fading {
         let (first, second) = if a.station <= b.station { (a, b) } else { (b, a) };
         let pair = pair(first.station, second.station);
         let places = [first.place, second.place];
-        if self.standing.is_empty() {
-            return self.gain_at(pair, places, now);
-        }
-        let slot = slot(pair, self.standing.len());
-        let known = self.standing[slot];
-        if known.pair == pair && known.places == places {
+        let known = self.standing.as_ref().and_then(|standing| standing.get(pair));
+        if let Some(known) = known.filter(|known| known.places == places) {
             return known.gain;
         }
         let gain = self.gain_at(pair, places, now);
-        if known.pair != StandingGain::NONE.pair && known.pair != pair && self.standing.len() < MOST_STANDING {
-            // Two links want one slot: there are many. What is forgotten is worked out again.
-            self.standing = vec![StandingGain::NONE; 4 * self.standing.len()];
+        if let Some(standing) = &mut self.standing {
+            standing.put(pair, StandingGain { places, gain });
         }
-        let slot = self::slot(pair, self.standing.len());
-        self.standing[slot] = StandingGain { pair, places, gain };
         gain
     }
 
@@ -139,11 +117,11 @@ impl Fading {
         let factor = match self.law.variation {
             Variation::Blocks { block_s } => self.block(pair, (t_s / block_s).floor()),
             Variation::Waves { .. } => {
-                let slot = slot(pair, SLOTS);
-                if self.known[slot].as_ref().is_none_or(|link| link.pair != pair) {
-                    self.known[slot] = Some(Box::new(self.link(pair)));
+                if self.known.get(pair).is_none() {
+                    let link = Box::new(self.link(pair));
+                    self.known.put(pair, link);
                 }
-                let link = self.known[slot].as_ref().expect("it was put there");
+                let link = self.known.get(pair).expect("it was put there");
                 link.factor(self.law.depth, places, self.fields.wave_number_per_m, t_s)
             }
         };
@@ -158,7 +136,7 @@ impl Fading {
             Depth::Nakagami { squares } => u64::from(squares.div_ceil(2)),
         };
         let fields = (0..count).map(|number| Field::draw(draws, number, &self.fields)).collect();
-        LinkFading { pair, fields, direct_rad: TAU * draws.uniform(DIRECT, 0) }
+        LinkFading { fields, direct_rad: TAU * draws.uniform(DIRECT, 0) }
     }
 
     /// The gain of a link as a factor in a block of time.
